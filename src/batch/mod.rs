@@ -1,0 +1,3 @@
+//! Experiment → stream of events → records on disk.
+
+pub mod record;

@@ -1,0 +1,20 @@
+//! `occlab` measures how clouds shadow themselves.
+//!
+//! ```text
+//! config ─► scene ─► density ─► occlusion ─► raymarch ─► frame ─► metrics ─► batch ─► report
+//! (JSON)   (metres)  (field)   (strategy)   (linear HDR)         (numbers)  (records) (charts, page)
+//! ```
+//!
+//! Dependencies point right to left only. World axes: y up, right-handed, origin on the ground under the scene's
+//! centre. Units: metres, m⁻¹, degrees in files and radians in code, linear radiance with sRGB primaries.
+
+pub mod batch;
+pub mod config;
+pub mod error;
+pub mod frame;
+pub mod metrics;
+pub mod occlusion;
+pub mod report;
+pub mod scene;
+
+pub use error::{Error, Result};

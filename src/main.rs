@@ -1,0 +1,3 @@
+//! The `occlab` program.
+
+fn main() {}

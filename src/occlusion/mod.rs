@@ -1,0 +1,3 @@
+//! The light-occlusion strategies and their registry.
+
+pub mod param;

@@ -1,0 +1,163 @@
+//! Parameters of a method: declared once as [`ParamSpec`], from which configuration parsing, JSON schema,
+//! command-line help, report columns and shader uniforms are all derived.
+
+use crate::error::{Error, Result};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// Type, range and default of one parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParamKind {
+    /// Whole number in `[min, max]`; a `u32` member of the shader's `Params`.
+    Int {
+        /// Smallest value allowed.
+        min: i64,
+        /// Largest value allowed.
+        max: i64,
+        /// Value when the configuration names none.
+        default: i64,
+    },
+    /// Finite real number in `[min, max]`; an `f32` member of the shader's `Params`.
+    Float {
+        /// Smallest value allowed.
+        min: f64,
+        /// Largest value allowed.
+        max: f64,
+        /// Value when the configuration names none.
+        default: f64,
+    },
+    /// One of a few words; a shader definition `NAME_OPTION`, so that pipelines specialise on structure only.
+    Choice {
+        /// The words.
+        options: &'static [&'static str],
+        /// Value when the configuration names none.
+        default: &'static str,
+    },
+}
+
+/// One parameter of a method.
+#[derive(Clone, Copy, Debug)]
+pub struct ParamSpec {
+    /// Name in JSON, on the command line, in reports and in the shader.
+    pub name: &'static str,
+    /// Unit, `""` for a pure number.
+    pub unit: &'static str,
+    /// One or two sentences: what it does, where it comes from.
+    pub doc: &'static str,
+    /// Type, range and default.
+    pub kind: ParamKind,
+}
+
+/// A value that satisfied its [`ParamSpec`].
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[serde(untagged)]
+pub enum ParamValue {
+    /// See [`ParamKind::Int`].
+    Int(i64),
+    /// See [`ParamKind::Float`].
+    Float(f64),
+    /// See [`ParamKind::Choice`].
+    Choice(&'static str),
+}
+
+impl std::fmt::Display for ParamValue {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Int(v) => write!(f, "{v}"),
+            Self::Float(v) => write!(f, "{v}"),
+            Self::Choice(v) => f.write_str(v),
+        }
+    }
+}
+
+impl ParamSpec {
+    /// The value used when none is given.
+    pub fn default_value(&self) -> ParamValue {
+        match self.kind {
+            ParamKind::Int { default, .. } => ParamValue::Int(default),
+            ParamKind::Float { default, .. } => ParamValue::Float(default),
+            ParamKind::Choice { default, .. } => ParamValue::Choice(default),
+        }
+    }
+
+    /// Range or options as people write them: `1…50`, `nearest | hardware | blend`.
+    pub fn range_text(&self) -> String {
+        match self.kind {
+            ParamKind::Int { min, max, .. } => format!("{min}…{max}"),
+            ParamKind::Float { min, max, .. } => format!("{min}…{max}"),
+            ParamKind::Choice { options, .. } => options.join(" | "),
+        }
+    }
+
+    /// Checks a JSON value; the error is the problem in words, without place or full stop.
+    pub fn parse(&self, value: &Value) -> Result<ParamValue, String> {
+        let wrong = || format!("`{}` is {value}, allowed is {}", self.name, self.range_text());
+        match self.kind {
+            ParamKind::Int { min, max, .. } => {
+                let v = value.as_i64().ok_or_else(wrong)?;
+                (min..=max).contains(&v).then_some(ParamValue::Int(v)).ok_or_else(wrong)
+            }
+            ParamKind::Float { min, max, .. } => {
+                let v = value.as_f64().ok_or_else(wrong)?;
+                (min..=max).contains(&v).then_some(ParamValue::Float(v)).ok_or_else(wrong)
+            }
+            ParamKind::Choice { options, .. } => {
+                let v = value.as_str().ok_or_else(wrong)?;
+                options.iter().find(|o| **o == v).map(|o| ParamValue::Choice(o)).ok_or_else(wrong)
+            }
+        }
+    }
+
+    /// Checks text from the command line (`name=text`).
+    pub fn parse_text(&self, text: &str) -> Result<ParamValue, String> {
+        let value = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()));
+        self.parse(&value)
+    }
+}
+
+/// A complete set of values, one for each [`ParamSpec`] of a method.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[serde(transparent)]
+pub struct Params(BTreeMap<&'static str, ParamValue>);
+
+impl Params {
+    /// Every parameter at its default.
+    pub fn defaults<'a>(specs: impl Iterator<Item = &'a ParamSpec>) -> Self {
+        Self(specs.map(|s| (s.name, s.default_value())).collect())
+    }
+
+    /// Replaces one value.
+    pub fn set(&mut self, name: &'static str, value: ParamValue) {
+        self.0.insert(name, value);
+    }
+
+    /// Name and value, in alphabetical order.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, ParamValue)> {
+        self.0.iter().map(|(k, v)| (*k, *v))
+    }
+
+    /// The value of `name`, if the method has such a parameter.
+    pub fn get(&self, name: &str) -> Option<ParamValue> {
+        self.0.get(name).copied()
+    }
+
+    /// A whole number the method declared; an error (a defect of the method's file) if it did not.
+    pub fn int(&self, name: &str) -> Result<u32> {
+        match self.get(name) {
+            Some(ParamValue::Int(v)) => u32::try_from(v).map_err(|_| undeclared(name)),
+            _ => Err(undeclared(name)),
+        }
+    }
+
+    /// A word the method declared; an error (a defect of the method's file) if it did not.
+    pub fn choice(&self, name: &str) -> Result<&'static str> {
+        match self.get(name) {
+            Some(ParamValue::Choice(v)) => Ok(v),
+            _ => Err(undeclared(name)),
+        }
+    }
+}
+
+fn undeclared(name: &str) -> Error {
+    Error::input("method", format!("reads the parameter `{name}`, which it does not declare with that type"), "Declare it in the method's ParamSpec list.")
+}

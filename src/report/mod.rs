@@ -1,0 +1,1 @@
+//! Records → csv, charts, page.

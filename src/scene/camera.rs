@@ -1,0 +1,58 @@
+//! The camera: a pinhole with one ray through each pixel centre.
+
+use super::{Problem, check, check_all};
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A perspective camera; image +x = forward × up, row 0 at the top.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    /// Position, metres.
+    pub position_m: [f64; 3],
+    /// A point on the optical axis, metres.
+    pub target_m: [f64; 3],
+    /// Up vector, any length.
+    #[serde(default = "default_up")]
+    pub up: [f64; 3],
+    /// Vertical field of view, degrees, 0.1…170.
+    pub fov_y_deg: f64,
+    /// View rays end here, metres; absent = they end where the layer or the ground does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub far_m: Option<f64>,
+}
+
+fn default_up() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+impl Camera {
+    pub(super) fn validate(&self) -> Result<(), Problem> {
+        check_all("/camera/position_m", &self.position_m, "finite", |v| v.abs() <= 1e9)?;
+        check_all("/camera/target_m", &self.target_m, "finite", |v| v.abs() <= 1e9)?;
+        check_all("/camera/up", &self.up, "finite", |_| true)?;
+        check("/camera/fov_y_deg", self.fov_y_deg, "0.1…170°", |v| (0.1..=170.0).contains(&v))?;
+        if let Some(far_m) = self.far_m {
+            check("/camera/far_m", far_m, "above 0 m", |v| v > 0.0)?;
+        }
+        let (forward, up) = (DVec3::from(self.target_m) - DVec3::from(self.position_m), DVec3::from(self.up));
+        if forward.cross(up).length() < 1e-9 * forward.length() * up.length() || forward == DVec3::ZERO || up == DVec3::ZERO {
+            return Err(Problem::new("/camera/up", "up is parallel to the view direction, or the target is the position"));
+        }
+        Ok(())
+    }
+
+    /// Orthonormal (right, up, forward).
+    pub fn basis(&self) -> (DVec3, DVec3, DVec3) {
+        let forward = (DVec3::from(self.target_m) - DVec3::from(self.position_m)).normalize();
+        let right = forward.cross(DVec3::from(self.up)).normalize();
+        (right, right.cross(forward), forward)
+    }
+
+    /// Half of the image plane's extent at distance 1: (horizontal, vertical).
+    pub fn half_extent(&self, aspect: f64) -> (f64, f64) {
+        let half_y = (self.fov_y_deg.to_radians() / 2.0).tan();
+        (half_y * aspect, half_y)
+    }
+}

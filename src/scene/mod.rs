@@ -1,0 +1,122 @@
+//! What is looked at, in metres: container, density, medium, sun, sky, camera. Deserialised from `configs/scenes/*.json`.
+//!
+//! A feature that a scene does not name has no texture, no binding and no shader code.
+
+mod camera;
+mod container;
+mod density;
+mod light;
+mod march;
+
+pub use camera::Camera;
+pub use container::Container;
+pub use density::{Deck, Density, Detail, Procedural, Volume};
+pub use light::{Ambient, Lobe, Medium, Sky, Sun};
+pub use march::{Integration, March};
+
+use crate::error::{Error, Result};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A complete scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Shown in reports.
+    pub name: String,
+    /// The region that may hold medium; everything outside is vacuum.
+    pub container: Container,
+    /// The dimensionless density field inside the container.
+    pub density: Density,
+    /// Extinction, albedo, phase function.
+    pub medium: Medium,
+    /// The directional light.
+    pub sun: Sun,
+    /// Sky radiance behind the clouds; absent = black background.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sky: Option<Sky>,
+    /// Ambient radiance that stands in for multiple scattering; absent = none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ambient: Option<Ambient>,
+    /// Where it is seen from.
+    pub camera: Camera,
+    /// How view rays are sampled.
+    #[serde(default)]
+    pub march: March,
+}
+
+impl Scene {
+    /// Checks everything that types cannot: ranges, order, finiteness. The error's place is a JSON pointer.
+    pub fn validate(&self) -> Result<(), Problem> {
+        if self.name.is_empty() || self.name.chars().count() > 200 {
+            return Err(Problem::new("/name", "the name must have 1 to 200 characters"));
+        }
+        self.container.validate()?;
+        self.density.validate(&self.container)?;
+        self.medium.validate()?;
+        self.sun.validate(self.sky.is_some())?;
+        if let Some(sky) = &self.sky {
+            sky.validate()?;
+        }
+        if let Some(ambient) = &self.ambient {
+            ambient.validate(self.sky.is_some())?;
+        }
+        self.camera.validate()?;
+        self.march.validate()
+    }
+
+    /// Step of the truth's light march, metres: 10 m in a shell, 1/1000 of the diagonal in a box (at most 10 m).
+    pub fn truth_step_m(&self) -> f64 {
+        match &self.container {
+            Container::Shell { .. } => 10.0,
+            Container::Box { min_m, max_m } => {
+                let diagonal_m = (0..3).map(|i| (max_m[i] - min_m[i]).powi(2)).sum::<f64>().sqrt();
+                (diagonal_m / 1000.0).min(10.0)
+            }
+        }
+    }
+
+    /// Makes a relative volume path relative to `folder`, the one that holds the scene file.
+    pub fn resolve_paths(&mut self, folder: &Path) {
+        if let Density::Volume(volume) = &mut self.density
+            && volume.path.is_relative()
+        {
+            volume.path = folder.join(&volume.path);
+        }
+    }
+}
+
+/// A value that makes no sense, located by JSON pointer inside the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    /// JSON pointer, e.g. `/sun/elevation_deg`.
+    pub pointer: String,
+    /// What is wrong and what is allowed.
+    pub message: String,
+}
+
+impl Problem {
+    /// A problem at `pointer`.
+    pub fn new(pointer: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { pointer: pointer.into(), message: message.into() }
+    }
+
+    /// As a library error for the file `place`.
+    pub fn at(self, place: &str) -> Error {
+        Error::input(format!("{place}, at {}", self.pointer), self.message, "Correct the value; `occlab schema` prints what is allowed.")
+    }
+}
+
+/// `value` must be finite and satisfy `ok`.
+pub(crate) fn check(pointer: &str, value: f64, allowed: &str, ok: impl Fn(f64) -> bool) -> Result<(), Problem> {
+    if value.is_finite() && ok(value) {
+        return Ok(());
+    }
+    Err(Problem::new(pointer, format!("the value is {value}, allowed is {allowed}")))
+}
+
+/// Every component must be finite and satisfy `ok`.
+pub(crate) fn check_all(pointer: &str, values: &[f64], allowed: &str, ok: impl Fn(f64) -> bool + Copy) -> Result<(), Problem> {
+    values.iter().try_for_each(|v| check(pointer, *v, allowed, ok))
+}
