@@ -10,10 +10,13 @@
 
 pub mod batch;
 pub mod config;
+pub mod density;
 pub mod error;
 pub mod frame;
+pub mod gpu;
 pub mod metrics;
 pub mod occlusion;
+pub mod raymarch;
 pub mod report;
 pub mod scene;
 

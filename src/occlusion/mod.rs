@@ -1,3 +1,173 @@
 //! The light-occlusion strategies and their registry.
+//!
+//! A strategy answers one question for the view march: V(p) = exp(−τ between p and the sun). It is declared by a
+//! [`MethodInfo`] and a WGSL file, and brings no GPU code of its own:
+//!
+//! - without a map, the file exports `fn light_transmittance(p: vec3f, rnd: f32) -> f32`;
+//! - with a map, it exports `fn encode(column: Column)` (what a texel keeps of its column) and
+//!   `fn transmittance(tap: Tap, depth: f32) -> f32` (what a texel says of a depth); the map's geometry, look-up rule and
+//!   fallback are shared.
+//!
+//! Numeric parameters are members of the file's `Params` uniform (or of the shared `Map`), choices are shader
+//! definitions `NAME_OPTION`. A new method is one Rust file, one WGSL file and one line of [`REGISTRY`].
 
 pub mod param;
+
+mod bsm;
+mod esm;
+mod fom;
+mod none;
+mod srm;
+mod truth;
+
+use crate::error::{Error, Result};
+use crate::gpu::Defs;
+use param::{ParamKind, ParamSpec, ParamValue, Params};
+
+/// Every strategy, in the order of menus and charts.
+pub const REGISTRY: &[&dyn LightOcclusion] = &[&srm::Srm, &esm::Esm, &bsm::Bsm, &fom::Fom, &none::None, &truth::Truth];
+
+/// What a method is.
+#[derive(Clone, Copy, Debug)]
+pub struct MethodInfo {
+    /// Short name in JSON, on the command line and in reports.
+    pub id: &'static str,
+    /// Full name.
+    pub title: &'static str,
+    /// Paper, year, equation.
+    pub citation: &'static str,
+    /// Path of its WGSL file below `shaders/`.
+    pub shader: &'static str,
+    /// Text of that file.
+    pub source: &'static str,
+    /// Parameter lists; together they are the method's parameters.
+    pub params: &'static [&'static [ParamSpec]],
+    /// V never increases with depth along a light column (with look-up `nearest` and form `stable`).
+    pub monotone: bool,
+}
+
+/// What a method needs at given parameters.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// Values a map texel holds; `None` = no map.
+    pub map_values: Option<u32>,
+    /// Definitions beside those of the choices, for structure that depends on a number.
+    pub defs: Defs,
+}
+
+/// A strategy.
+pub trait LightOcclusion: Sync {
+    /// Its description.
+    fn info(&self) -> &'static MethodInfo;
+
+    /// Map size and structure at `params`; the default is a method without a map.
+    fn plan(&self, _params: &Params) -> Result<Plan> {
+        Ok(Plan::default())
+    }
+}
+
+/// Parameters every map shares.
+pub const MAP_PARAMS: &[ParamSpec] = &[
+    ParamSpec {
+        name: "resolution",
+        unit: "texels",
+        doc: "Edge of the square map.",
+        kind: ParamKind::Int { min: 1, max: 16384, default: 512 },
+    },
+    ParamSpec {
+        name: "steps",
+        unit: "",
+        doc: "Samples a map column takes over its own length inside the layer.",
+        kind: ParamKind::Int { min: 1, max: 1000, default: 100 },
+    },
+    ParamSpec {
+        name: "storage",
+        unit: "",
+        doc: "Bits of a stored value: half or single precision.",
+        kind: ParamKind::Choice { options: &["f16", "f32"], default: "f16" },
+    },
+    ParamSpec {
+        name: "lookup",
+        unit: "",
+        doc: "nearest: one texel; hardware: stored values interpolated by the sampler; blend: T of four texels, interpolated.",
+        kind: ParamKind::Choice { options: &["nearest", "hardware", "blend"], default: "blend" },
+    },
+    ParamSpec {
+        name: "sampling",
+        unit: "",
+        doc: "Where a step is sampled: its midpoint, or its far end as in thesis M.",
+        kind: ParamKind::Choice { options: &["midpoint", "end"], default: "midpoint" },
+    },
+];
+
+const FRONT: ParamSpec = ParamSpec {
+    name: "front",
+    unit: "",
+    doc: "Where a column's cloud begins: threshold = T first falls below 0.99 (thesis M), first = near edge of the first occupied step.",
+    kind: ParamKind::Choice { options: &["threshold", "first"], default: "threshold" },
+};
+
+const FORM: ParamSpec = ParamSpec {
+    name: "form",
+    unit: "",
+    doc: "stable = cannot overflow; published = the formula as printed, kept to show where it fails.",
+    kind: ParamKind::Choice { options: &["stable", "published"], default: "stable" },
+};
+
+/// A method with a complete set of parameters.
+#[derive(Clone)]
+pub struct MethodSetup {
+    /// The strategy.
+    pub method: &'static dyn LightOcclusion,
+    /// A value for each of its parameters.
+    pub params: Params,
+}
+
+impl MethodInfo {
+    /// All parameters.
+    pub fn specs(&self) -> impl Iterator<Item = &'static ParamSpec> {
+        self.params.iter().copied().flatten()
+    }
+}
+
+/// The registered method `id`; the error lists what exists.
+pub fn find(id: &str) -> Result<&'static dyn LightOcclusion> {
+    let ids: Vec<_> = REGISTRY.iter().map(|m| m.info().id).collect();
+    REGISTRY
+        .iter()
+        .find(|m| m.info().id == id)
+        .copied()
+        .ok_or_else(|| Error::input("method", format!("there is no method `{id}`"), format!("Choose one of: {}.", ids.join(", "))))
+}
+
+impl MethodSetup {
+    /// The method at its defaults.
+    pub fn defaults(id: &str) -> Result<Self> {
+        let method = find(id)?;
+        Ok(Self { method, params: Params::defaults(method.info().specs()) })
+    }
+
+    /// The same with one parameter changed, from text as on the command line.
+    pub fn with(mut self, name: &str, text: &str) -> Result<Self> {
+        let info = self.method.info();
+        let Some(spec) = info.specs().find(|s| s.name == name) else {
+            let names: Vec<_> = info.specs().map(|s| s.name).collect();
+            let choice = if names.is_empty() { "It has none.".to_owned() } else { format!("Choose one of: {}.", names.join(", ")) };
+            return Err(Error::input("--set", format!("`{}` has no parameter `{name}`", info.id), choice));
+        };
+        let value = spec.parse_text(text).map_err(|problem| Error::input("--set", problem, "`occlab methods` lists what is allowed."))?;
+        self.params.set(spec.name, value);
+        Ok(self)
+    }
+
+    /// Shader definitions of the choices and of the plan.
+    pub fn defs(&self, plan: &Plan) -> Defs {
+        let mut defs = plan.defs.clone();
+        for (name, value) in self.params.iter() {
+            if let ParamValue::Choice(option) = value {
+                defs.insert(format!("{name}_{option}").to_uppercase(), None);
+            }
+        }
+        defs
+    }
+}

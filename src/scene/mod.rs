@@ -5,13 +5,17 @@
 mod camera;
 mod container;
 mod density;
+mod geometry;
 mod light;
 mod march;
+mod preetham;
 
 pub use camera::Camera;
 pub use container::Container;
+pub use geometry::Intervals;
 pub use density::{Deck, Density, Detail, Procedural, Volume};
 pub use light::{Ambient, Lobe, Medium, Sky, Sun};
+pub use preetham::{PerezSky, SkyModel};
 pub use march::{Integration, March};
 
 use crate::error::{Error, Result};

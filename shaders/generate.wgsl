@@ -1,0 +1,20 @@
+// Map pass: one invocation a texel marches its column and stores what the method keeps of it.
+// Cost: resolution² × steps density samples at most.
+#import map::map
+#import column::column_of
+#import occlusion::encode
+#ifdef COUNT
+#import medium
+@group(3) @binding(2) var<storage, read_write> counts: array<vec4u>;
+#endif
+
+@compute @workgroup_size(8, 8)
+fn generate(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= vec2u(map.resolution)) {
+        return;
+    }
+    encode(column_of(id.xy));
+#ifdef COUNT
+    counts[id.y * map.resolution + id.x] = vec4u(medium::density_samples, 0u, 0u, 0u);
+#endif
+}

@@ -1,0 +1,56 @@
+// March of one map column from the sun side, and the store of its values.
+//
+//   Δ = L/n over the column's own length L,  sample k at (k + ½)Δ, or at (k + 1)Δ when SAMPLING_END is defined
+//
+// Cost: one density sample a step that is not provably empty.
+#import map::{map, column_at}
+#import layer::{LayerRay, layer_length, point_at}
+#import medium::{extinction, is_empty}
+
+#ifdef TEXEL_R16
+@group(2) @binding(4) var map_store: texture_storage_2d_array<r16float, write>;
+#endif
+#ifdef TEXEL_R32
+@group(2) @binding(4) var map_store: texture_storage_2d_array<r32float, write>;
+#endif
+#ifdef TEXEL_RGBA16
+@group(2) @binding(4) var map_store: texture_storage_2d_array<rgba16float, write>;
+#endif
+#ifdef TEXEL_RGBA32
+@group(2) @binding(4) var map_store: texture_storage_2d_array<rgba32float, write>;
+#endif
+
+struct Column {
+    texel: vec2u,
+    ray: LayerRay,
+    length_m: f32,
+    step_m: f32,
+}
+
+fn column_of(texel: vec2u) -> Column {
+    let ray = column_at((vec2f(texel) + 0.5) / f32(map.resolution));
+    let length_m = layer_length(ray);
+    return Column(texel, ray, length_m, length_m / f32(map.steps));
+}
+
+// Depth of sample k, metres inside the layer.
+fn sample_depth(column: Column, k: u32) -> f32 {
+#ifdef SAMPLING_END
+    return (f32(k) + 1.0) * column.step_m;
+#else
+    return (f32(k) + 0.5) * column.step_m;
+#endif
+}
+
+// Extinction of step k, m⁻¹.
+fn sample_extinction(column: Column, k: u32) -> f32 {
+    let p = point_at(column.ray, sample_depth(column, k));
+    if is_empty(p) {
+        return 0.0;
+    }
+    return extinction(p);
+}
+
+fn store(column: Column, layer: u32, values: vec4f) {
+    textureStore(map_store, column.texel, layer, values);
+}

@@ -1,0 +1,37 @@
+// Where a column's cloud begins, over depth_m in [0, 1]; 1 for a column that never begins.
+//
+//   FRONT_THRESHOLD (thesis M): T first falls below 0.99, interpolated inside the step with constant σ:
+//                    z = near edge + (−ln 0.99 − τ)/σ
+//   FRONT_FIRST: near edge of the first step with extinction
+//
+// Cost: one column march up to the front.
+#import map::map
+#import column::{Column, sample_extinction}
+
+const FRONT_TAU: f32 = 0.010050336; // −ln 0.99
+
+// One step of the search: the front, metres, or −1 while it is not reached. `tau` is the depth before step k.
+fn front_in_step(column: Column, k: u32, sigma: f32, tau: f32) -> f32 {
+    let near_m = f32(k) * column.step_m;
+#ifdef FRONT_FIRST
+    return select(-1.0, near_m, sigma > 0.0);
+#else
+    if tau + sigma * column.step_m <= FRONT_TAU {
+        return -1.0;
+    }
+    return near_m + max(FRONT_TAU - tau, 0.0) / sigma;
+#endif
+}
+
+fn front_depth(column: Column) -> f32 {
+    var tau = 0.0;
+    for (var k = 0u; k < map.steps; k++) {
+        let sigma = sample_extinction(column, k);
+        let front_m = front_in_step(column, k, sigma, tau);
+        if front_m >= 0.0 {
+            return front_m / map.depth_m;
+        }
+        tau += sigma * column.step_m;
+    }
+    return 1.0;
+}

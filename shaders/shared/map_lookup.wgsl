@@ -1,0 +1,49 @@
+// Light transmittance from a map: geometry, look-up rule and fallback; the method supplies `transmittance(tap, depth)`.
+//
+//   V(p) = transmittance(texel at p, d(p)/depth_m)
+//   blend:  T at the four nearest texels, then bilinear in T (Reeves et al. 1987, percentage-closer filtering)
+//
+// Outside the rectangle: secondary march with 6 quadratic steps, counted. depth_m = 0: V = 1.
+// Cost: one distance to the layer's exit, one (blend: four) method look-ups.
+#import map::{map, map_uv, tap_at, Tap}
+#import layer::layer_length
+#import medium
+#import medium::sun_ray
+#import secondary::quadratic_march
+#import occlusion::transmittance
+
+const FALLBACK_STEPS: u32 = 6u;
+
+fn light_transmittance(p: vec3f, rnd: f32) -> f32 {
+    let uv = map_uv(p);
+#ifdef COUNT
+    medium::look_ups += 1u;
+#endif
+    if any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) {
+#ifdef COUNT
+        medium::fallbacks += 1u;
+#endif
+        return quadratic_march(p, FALLBACK_STEPS);
+    }
+    if map.depth_m <= 0.0 {
+        return 1.0;
+    }
+    let depth = layer_length(sun_ray(p)) / map.depth_m;
+#ifdef LOOKUP_BLEND
+    return blended(uv, depth);
+#else
+    return transmittance(tap_at(uv), depth);
+#endif
+}
+
+fn blended(uv: vec2f, depth: f32) -> f32 {
+    let position = uv * f32(map.resolution) - 0.5;
+    let low = floor(position);
+    let w = position - low;
+    let top = i32(map.resolution) - 1;
+    let a = clamp(vec2i(low), vec2i(0), vec2i(top));
+    let b = clamp(vec2i(low) + 1, vec2i(0), vec2i(top));
+    let upper = mix(transmittance(Tap(vec2i(a.x, a.y), uv), depth), transmittance(Tap(vec2i(b.x, a.y), uv), depth), w.x);
+    let lower = mix(transmittance(Tap(vec2i(a.x, b.y), uv), depth), transmittance(Tap(vec2i(b.x, b.y), uv), depth), w.x);
+    return mix(upper, lower, w.y);
+}

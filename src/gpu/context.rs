@@ -1,0 +1,174 @@
+//! Adapter, device and queue, and the errors they report outside of calls.
+
+use crate::batch::record::Environment;
+use crate::error::{Error, Result};
+use std::sync::{Arc, Mutex};
+
+const NO_ADAPTER_REMEDY: &str = "Install a Vulkan driver for your GPU, or a software one: on Debian and Ubuntu \
+    `apt-get install mesa-vulkan-drivers`, on Fedora `dnf install mesa-vulkan-drivers`.";
+
+/// One open device.
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its only queue.
+    pub queue: wgpu::Queue,
+    /// What the driver says of itself.
+    pub info: wgpu::AdapterInfo,
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+/// A line of `occlab adapters`.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct AdapterSummary {
+    /// Name; `--adapter` matches any part of it, ignoring case.
+    pub name: String,
+    /// Driver and version.
+    pub driver: String,
+    /// `Vulkan`, `Metal`, `Dx12`.
+    pub backend: String,
+    /// `DiscreteGpu`, `IntegratedGpu`, `Cpu`…
+    pub device_type: String,
+    /// Pass times can be measured.
+    pub timestamps: bool,
+    /// f32 maps can be interpolated by hardware.
+    pub float32_filterable: bool,
+    /// Largest map edge, texels.
+    pub max_texture_2d: u32,
+}
+
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
+}
+
+fn adapters() -> Vec<wgpu::Adapter> {
+    pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()))
+}
+
+/// Every adapter of this machine; empty when there is no driver.
+pub fn list_adapters() -> Vec<AdapterSummary> {
+    adapters()
+        .iter()
+        .map(|adapter| {
+            let (info, features) = (adapter.get_info(), adapter.features());
+            AdapterSummary {
+                driver: format!("{} {}", info.driver, info.driver_info),
+                backend: format!("{:?}", info.backend),
+                device_type: format!("{:?}", info.device_type),
+                timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+                float32_filterable: features.contains(wgpu::Features::FLOAT32_FILTERABLE),
+                max_texture_2d: adapter.limits().max_texture_dimension_2d,
+                name: info.name,
+            }
+        })
+        .collect()
+}
+
+/// The adapter whose name holds `wanted`; without a wish, the fastest kind.
+fn choose(wanted: Option<&str>) -> Result<wgpu::Adapter> {
+    let rank = |a: &wgpu::Adapter| match a.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    let mut all = adapters();
+    if all.is_empty() {
+        return Err(Error::gpu("this machine has no Vulkan, Metal or Direct3D 12 adapter", NO_ADAPTER_REMEDY));
+    }
+    all.sort_by_key(rank);
+    let Some(wanted) = wanted else { return Ok(all.swap_remove(0)) };
+    let names: Vec<_> = all.iter().map(|a| a.get_info().name).collect();
+    match names.iter().position(|n| n.to_lowercase().contains(&wanted.to_lowercase())) {
+        Some(i) => Ok(all.swap_remove(i)),
+        None => Err(Error::gpu(format!("no adapter's name contains `{wanted}`"), format!("Choose one of: {}.", names.join("; ")))),
+    }
+}
+
+impl Gpu {
+    /// Opens the adapter whose name holds `wanted`, or the fastest kind. Optional features are taken when offered.
+    pub fn new(wanted: Option<&str>) -> Result<Self> {
+        let adapter = choose(wanted)?;
+        let optional = wgpu::Features::TIMESTAMP_QUERY
+            | wgpu::Features::FLOAT32_FILTERABLE
+            | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
+        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("occlab"),
+            required_features: adapter.features() & optional,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        });
+        let (device, queue) = pollster::block_on(request)
+            .map_err(|e| Error::gpu(e.to_string(), "Update the driver, or choose another adapter with --adapter."))?;
+        let failure = Arc::new(Mutex::new(None));
+        let (on_error, on_lost) = (failure.clone(), failure.clone());
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| note(&on_error, e.to_string())));
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                note(&on_lost, format!("device lost: {message}"));
+            }
+        });
+        Ok(Self { info: adapter.get_info(), device, queue, failure })
+    }
+
+    /// The first error the driver reported since the last call, if any.
+    pub fn check(&self) -> Result<()> {
+        let noted = self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
+        match noted {
+            None => Ok(()),
+            Some(problem) => Err(Error::gpu(problem, "Use smaller maps or images, or another adapter.")),
+        }
+    }
+
+    /// Blocks until the queue is empty.
+    pub fn wait(&self) -> Result<()> {
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| Error::gpu(e.to_string(), "Run the command again."))?;
+        self.check()
+    }
+
+    /// Are pass times measured on this adapter?
+    pub fn has_timestamps(&self) -> bool {
+        self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
+    }
+
+    /// For records.
+    pub fn environment(&self) -> Environment {
+        Environment {
+            adapter: self.info.name.clone(),
+            driver: format!("{} {}", self.info.driver, self.info.driver_info),
+            backend: format!("{:?}", self.info.backend),
+            device_type: format!("{:?}", self.info.device_type),
+            commit: format!("occlab {}", env!("CARGO_PKG_VERSION")),
+            host: format!(
+                "{} {}, {} logical cores",
+                std::env::consts::OS,
+                std::env::consts::ARCH,
+                std::thread::available_parallelism().map_or(1, usize::from)
+            ),
+        }
+    }
+
+    /// Bytes that wgpu's allocator has handed out, where the backend reports them.
+    pub fn allocated_bytes(&self) -> Option<u64> {
+        self.device.generate_allocator_report().map(|r| r.total_allocated_bytes)
+    }
+
+    /// A buffer holding `bytes`.
+    pub fn buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let size = (bytes.len() as u64).next_multiple_of(16).max(16);
+        let buffer = self.empty_buffer(label, size, usage | wgpu::BufferUsages::COPY_DST);
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    /// An uninitialised (zero) buffer.
+    pub fn empty_buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+    }
+}
+
+fn note(slot: &Mutex<Option<String>>, message: String) {
+    // A poisoned lock only means that another report panicked half-way: the slot is still a valid Option.
+    slot.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(message);
+}

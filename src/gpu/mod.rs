@@ -1,0 +1,15 @@
+//! Everything that knows wgpu and is not a pass: the device, shader composition, kernels bound by name, timing, read-back.
+
+mod context;
+mod kernel;
+mod readback;
+mod shader;
+mod timing;
+mod uniform;
+
+pub use context::{AdapterSummary, Gpu, list_adapters};
+pub use kernel::{Inputs, Kernel, Resource};
+pub use readback::{read_buffer, read_texture};
+pub use shader::{Defs, Program, compose, embedded};
+pub use timing::Timer;
+pub use uniform::{Leaf, Scalar, UniformValue, pack, struct_leaves};

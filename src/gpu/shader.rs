@@ -1,0 +1,137 @@
+//! Shader composition: WGSL files with `#import`, `#ifdef` and `#{NAME}`, resolved by naga_oil.
+//!
+//! Modules are named by their file (`map` is `shared/map.wgsl`). A program is an entry file plus roles that say which file plays a role (`container`, `density`, `occlusion`), so
+//! that every pipeline is specialised and holds no code of a feature its scene or method does not use.
+
+use crate::error::{Error, Result};
+use naga_oil::compose::{ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue, get_preprocessor_data};
+use std::collections::{BTreeMap, HashMap};
+
+/// Shader definitions: `true` for `#ifdef NAME`, a number for `#{NAME}`.
+pub type Defs = BTreeMap<String, Option<i32>>;
+
+/// What to compose.
+#[derive(Clone, Debug)]
+pub struct Program<'a> {
+    /// File with the entry point, path below `shaders/`.
+    pub entry: &'a str,
+    /// Role → file that plays it: `("occlusion", "occlusion/esm.wgsl")`.
+    pub roles: Vec<(&'a str, &'a str)>,
+    /// Definitions.
+    pub defs: Defs,
+}
+
+macro_rules! shaders {
+    ($($path:literal),* $(,)?) => { &[$(($path, include_str!(concat!("../../shaders/", $path)))),*] };
+}
+
+/// The files, compiled in; methods bring their own through `MethodInfo`.
+const FILES: &[(&str, &str)] = shaders![
+    "shared/numerics.wgsl",
+    "shared/frame.wgsl",
+    "shared/layer.wgsl",
+    "container/shell.wgsl",
+    "container/box.wgsl",
+    "shared/occupancy.wgsl",
+    "density/uniform.wgsl",
+    "density/volume.wgsl",
+    "density/procedural.wgsl",
+    "shared/medium.wgsl",
+    "shared/secondary.wgsl",
+    "shared/map.wgsl",
+    "shared/column.wgsl",
+    "shared/front.wgsl",
+    "shared/map_lookup.wgsl",
+    "shared/phase.wgsl",
+    "shared/ambient.wgsl",
+    "sky/preetham.wgsl",
+    "noise/lattice.wgsl",
+    "noise/shape.wgsl",
+    "noise/detail.wgsl",
+    "noise/weather.wgsl",
+    "noise/columns.wgsl",
+    "generate.wgsl",
+    "raymarch.wgsl",
+];
+
+/// The text of a shader file as compiled in.
+pub fn embedded(path: &str) -> Result<&'static str> {
+    let own = FILES.iter().copied();
+    let methods = crate::occlusion::REGISTRY.iter().map(|m| (m.info().shader, m.info().source));
+    own.chain(methods)
+        .find_map(|(p, text)| (p == path).then_some(text))
+        .ok_or_else(|| Error::Shader { file: path.to_owned(), message: "no such shader file is compiled in".into() })
+}
+
+/// Resolves imports and definitions, validates, and drops what the entry point does not use.
+pub fn compose(program: &Program) -> Result<naga::Module> {
+    let mut loader = Loader { composer: Composer::default().with_capabilities(naga::valid::Capabilities::default()), program };
+    let source = embedded(program.entry)?;
+    loader.add_imports(source)?;
+    let defs = shader_defs(&program.defs);
+    let made = loader.composer.make_naga_module(NagaModuleDescriptor {
+        source,
+        file_path: program.entry,
+        shader_defs: defs,
+        ..Default::default()
+    });
+    let mut module = made.map_err(|e| loader.error(program.entry, &e))?;
+    naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+    Ok(module)
+}
+
+fn shader_defs(defs: &Defs) -> HashMap<String, ShaderDefValue> {
+    defs.iter().map(|(k, v)| (k.clone(), v.map_or(ShaderDefValue::Bool(true), ShaderDefValue::Int))).collect()
+}
+
+/// Adds imported files depth first, so that each is known before its importer.
+struct Loader<'a> {
+    composer: Composer,
+    program: &'a Program<'a>,
+}
+
+impl Loader<'_> {
+    fn add_imports(&mut self, source: &str) -> Result<()> {
+        let (_, imports, _) = get_preprocessor_data(source);
+        for import in imports {
+            let name = import.import.split("::").next().unwrap_or_default().to_owned();
+            self.add(&name)?;
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, name: &str) -> Result<()> {
+        if self.composer.contains_module(name) {
+            return Ok(());
+        }
+        let Some(path) = self.path_of(name) else {
+            // An import behind an `#ifdef` that is off: naga_oil reports it if it is needed after all.
+            return Ok(());
+        };
+        let source = embedded(&path)?;
+        self.add_imports(source)?;
+        let added = self.composer.add_composable_module(ComposableModuleDescriptor {
+            source,
+            file_path: &path,
+            as_name: Some(name.to_owned()),
+            ..Default::default()
+        });
+        match added {
+            Ok(_) => Ok(()),
+            Err(e) => Err(self.error(&path, &e)),
+        }
+    }
+
+    /// A role's file, or the shared file of that name.
+    fn path_of(&self, name: &str) -> Option<String> {
+        let role = self.program.roles.iter().find(|(role, _)| *role == name).map(|(_, path)| (*path).to_owned());
+        role.or_else(|| {
+            let file = format!("{name}.wgsl");
+            FILES.iter().map(|(p, _)| *p).find(|p| p.ends_with(&file) && p.rsplit('/').next() == Some(&file)).map(str::to_owned)
+        })
+    }
+
+    fn error(&self, path: &str, error: &ComposerError) -> Error {
+        Error::Shader { file: format!("shaders/{path}"), message: error.emit_to_string(&self.composer) }
+    }
+}

@@ -1,0 +1,88 @@
+//! The renderer: a scene and a method become a picture, its times, its memory and its counts. Knows no window.
+
+mod inputs;
+mod light_map;
+mod prepared;
+//pub mod reference;
+mod view;
+
+pub use prepared::{Counts, PassTimes, Prepared};
+pub use view::View;
+
+use crate::batch::record::ImageSize;
+use crate::error::Result;
+use crate::frame::Frame;
+use crate::gpu::{Defs, Gpu, Kernel, Program};
+use crate::occlusion::MethodSetup;
+use crate::scene::Scene;
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::rc::Rc;
+
+/// Told the finished share, 0…1, after every tile; `Break` stops the render.
+pub type Progress<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
+
+/// For renders nobody watches.
+pub fn unwatched(_share: f64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// Renders on one device and keeps its compiled kernels.
+pub struct Renderer {
+    /// The device.
+    pub gpu: Gpu,
+    kernels: RefCell<HashMap<KernelKey, Rc<Kernel>>>,
+    compile_s: Cell<f64>,
+}
+
+/// Entry file, roles and definitions: all that a kernel depends on.
+type KernelKey = (String, Vec<(String, String)>, Defs);
+
+impl Renderer {
+    /// A renderer on `gpu`.
+    pub fn new(gpu: Gpu) -> Self {
+        Self { gpu, kernels: RefCell::default(), compile_s: Cell::new(0.0) }
+    }
+
+    /// Seconds spent composing and compiling since the start.
+    pub fn compile_s(&self) -> f64 {
+        self.compile_s.get()
+    }
+
+    /// The compiled kernel of a program, from the cache when it was compiled before.
+    fn kernel(&self, program: &Program) -> Result<Rc<Kernel>> {
+        let roles = program.roles.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+        let key = (program.entry.to_owned(), roles, program.defs.clone());
+        if let Some(kernel) = self.kernels.borrow().get(&key) {
+            return Ok(kernel.clone());
+        }
+        let kernel = Rc::new(Kernel::new(&self.gpu, program)?);
+        self.compile_s.set(self.compile_s.get() + kernel.compile_s);
+        self.kernels.borrow_mut().insert(key, kernel.clone());
+        Ok(kernel)
+    }
+
+    /// Uploads a scene for pictures of one size.
+    pub fn view(&self, scene: &Scene, image: ImageSize) -> Result<View> {
+        View::new(&self.gpu, scene, image)
+    }
+
+    /// Compiles and allocates what a method needs in a view.
+    pub fn prepare(&self, view: &View, setup: &MethodSetup) -> Result<Prepared> {
+        Prepared::new(self, view, setup, false)
+    }
+
+    /// The same with counters instead of a clock.
+    pub fn prepare_counting(&self, view: &View, setup: &MethodSetup) -> Result<Prepared> {
+        Prepared::new(self, view, setup, true)
+    }
+
+    /// One picture, start to end.
+    pub fn render(&self, scene: &Scene, image: ImageSize, setup: &MethodSetup, progress: Progress) -> Result<(Frame, PassTimes)> {
+        let view = self.view(scene, image)?;
+        let prepared = self.prepare(&view, setup)?;
+        let times = prepared.run(&self.gpu, progress)?;
+        Ok((view.read(&self.gpu)?, times))
+    }
+}

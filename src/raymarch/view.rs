@@ -1,0 +1,86 @@
+//! A scene on the device, seen at one image size: what every method and the truth share.
+
+use super::inputs::scene_inputs;
+use crate::batch::record::ImageSize;
+use crate::density::DensityField;
+use crate::error::{Error, Result};
+use crate::frame::Frame;
+use crate::gpu::{Defs, Gpu, Inputs, Resource, read_buffer};
+use crate::scene::{Container, Integration, Scene};
+
+/// See the module.
+pub struct View {
+    /// The scene.
+    pub scene: Scene,
+    /// Picture size.
+    pub image: ImageSize,
+    /// Its density field.
+    pub density: DensityField,
+    pub(super) inputs: Inputs,
+    pub(super) defs: Defs,
+    pub(super) container_shader: &'static str,
+    pub(super) skip: bool,
+    radiance: wgpu::Buffer,
+    sun: wgpu::Buffer,
+}
+
+const PIXEL_BYTES: u64 = 16;
+
+impl View {
+    pub(super) fn new(gpu: &Gpu, scene: &Scene, image: ImageSize) -> Result<Self> {
+        let bytes = u64::from(image.width) * u64::from(image.height) * PIXEL_BYTES;
+        let limit = gpu.device.limits().max_storage_buffer_binding_size;
+        if bytes == 0 || bytes > limit {
+            return Err(Error::input(
+                "image",
+                format!("{} × {} pixels need {bytes} bytes a buffer, the adapter allows {limit}", image.width, image.height),
+                "Choose another size.",
+            ));
+        }
+        let container_shader = match scene.container {
+            Container::Shell { .. } => "container/shell.wgsl",
+            Container::Box { .. } => "container/box.wgsl",
+        };
+        let mut inputs = scene_inputs(scene, image, true);
+        let density = DensityField::new(gpu, scene, container_shader, &inputs)?;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let (radiance, sun) = (gpu.empty_buffer("radiance", bytes, usage), gpu.empty_buffer("sun", bytes, usage));
+        inputs.resource("radiance_out", Resource::Buffer(radiance.clone()));
+        inputs.resource("sun_out", Resource::Buffer(sun.clone()));
+        gpu.check()?;
+        Ok(Self { defs: defs(scene, &density), scene: scene.clone(), image, density, inputs, container_shader, skip: true, radiance, sun })
+    }
+
+    /// Turns the skipping of provably empty space on or off: a uniform, the pipelines are the same. Pictures must not
+    /// change; prepare methods again afterwards.
+    pub fn set_skip(&mut self, skip: bool) {
+        let fresh = scene_inputs(&self.scene, self.image, skip);
+        self.inputs.take_uniforms(fresh);
+        self.skip = skip;
+    }
+
+    /// Files that play the roles of a march in this view.
+    pub(super) fn roles<'a>(&self, occlusion: &'a str) -> Vec<(&'a str, &'a str)> {
+        vec![("container", self.container_shader), ("density", self.density.shader), ("sky", "sky/preetham.wgsl"), ("occlusion", occlusion)]
+    }
+
+    /// The last picture rendered in this view.
+    pub fn read(&self, gpu: &Gpu) -> Result<Frame> {
+        let size = u64::from(self.image.width) * u64::from(self.image.height) * PIXEL_BYTES;
+        let read = |buffer| read_buffer(gpu, buffer, size).map(|bytes| bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes));
+        Ok(Frame { width: self.image.width, height: self.image.height, radiance: read(&self.radiance)?, sun: read(&self.sun)? })
+    }
+}
+
+fn defs(scene: &Scene, density: &DensityField) -> Defs {
+    let mut defs = density.defs.clone();
+    let mut define = |name: &str, on: bool| {
+        if on {
+            defs.insert(name.to_owned(), None);
+        }
+    };
+    define("SKY", scene.sky.is_some());
+    define("AMBIENT", scene.ambient.is_some());
+    define("INTEGRATION_THESIS", scene.march.integration == Integration::Thesis);
+    defs
+}
