@@ -10,6 +10,7 @@
 
 pub mod batch;
 pub mod config;
+pub mod density;
 pub mod error;
 pub mod frame;
 pub mod metrics;

@@ -1,0 +1,3 @@
+//! The density field: imported volumes.
+
+pub mod volume;
