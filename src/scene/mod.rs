@@ -7,12 +7,14 @@ mod container;
 mod density;
 mod light;
 mod march;
+mod preetham;
 
 pub use camera::Camera;
 pub use container::Container;
 pub use density::{Deck, Density, Detail, Procedural, Volume};
 pub use light::{Ambient, Lobe, Medium, Sky, Sun};
 pub use march::{Integration, March};
+pub use preetham::{PerezSky, SkyModel};
 
 use crate::error::{Error, Result};
 use schemars::JsonSchema;
