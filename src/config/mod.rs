@@ -1,1 +1,43 @@
-//! JSON → Experiment.
+//! Files people write → checked values: scenes, experiments, the matrix of cells, the JSON Schema.
+//!
+//! ```text
+//! scene.json ─► Document ─► Scene
+//! experiment.json ─► Document ─► Experiment ─ expand(catalogue) ─► Matrix ─► batch
+//! ```
+//!
+//! Every error names the file, line, column and JSON pointer. No GPU types here.
+
+mod document;
+mod experiment;
+mod locate;
+mod matrix;
+mod methods;
+mod schema;
+mod suggest;
+#[cfg(test)]
+mod tests;
+
+pub use document::{Document, MAX_FILE_BYTES};
+pub use experiment::{Axis, Experiment, MethodEntry, SceneEntry, load_experiment, parse_experiment};
+pub use matrix::{CellSpec, MAX_CELLS, Matrix, View, describe, expand};
+pub use methods::MethodCatalogue;
+pub use schema::schema;
+
+use crate::error::Result;
+use crate::scene::Scene;
+use document::Fault;
+use std::path::Path;
+
+/// Reads, checks and resolves a scene file; volume paths become relative to the file's folder.
+pub fn load_scene(path: &Path) -> Result<Scene> {
+    let document = Document::read(path)?;
+    scene_of(document.value(), document.folder()).map_err(|fault| document.fault(fault))
+}
+
+/// A scene from its JSON value: types, then ranges, then paths relative to `folder`.
+fn scene_of(value: &serde_json::Value, folder: &Path) -> Result<Scene, Fault> {
+    let mut scene: Scene = document::deserialize(value)?;
+    scene.validate()?;
+    scene.resolve_paths(folder);
+    Ok(scene)
+}

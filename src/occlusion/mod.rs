@@ -171,3 +171,16 @@ impl MethodSetup {
         defs
     }
 }
+
+/// The registry as the configuration sees it.
+pub struct Registry;
+
+impl crate::config::MethodCatalogue for Registry {
+    fn ids(&self) -> Vec<&str> {
+        REGISTRY.iter().map(|m| m.info().id).collect()
+    }
+
+    fn params(&self, id: &str) -> Option<Vec<&'static ParamSpec>> {
+        REGISTRY.iter().find(|m| m.info().id == id).map(|m| m.info().specs().collect())
+    }
+}

@@ -1,0 +1,168 @@
+//! A JSON file in memory: its text for places, its value for meaning.
+
+use super::locate::{self, LineCol, Part};
+use super::suggest;
+use crate::error::{Error, Result};
+use crate::scene::Problem;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use serde_path_to_error::Segment;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Largest file read, bytes: a configuration is kilobytes, so a larger one is the wrong file.
+pub const MAX_FILE_BYTES: u64 = 16 << 20;
+
+const SCHEMA_HINT: &str = "`occlab schema` prints what is allowed.";
+
+/// A strict JSON file (UTF-8, no duplicate keys, finite numbers) that can say where each value stands.
+#[derive(Clone, Debug)]
+pub struct Document {
+    path: PathBuf,
+    text: String,
+    value: Value,
+}
+
+/// A problem inside a JSON value, not yet bound to a file.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Fault {
+    /// JSON pointer.
+    pub pointer: String,
+    /// Whether the key or the value is at fault.
+    pub part: Part,
+    /// What is wrong, without a full stop.
+    pub problem: String,
+    /// What to do, a full sentence.
+    pub remedy: String,
+}
+
+impl From<Problem> for Fault {
+    fn from(problem: Problem) -> Self {
+        let remedy = format!("Correct the value; {SCHEMA_HINT}");
+        Self { pointer: problem.pointer, part: Part::Value, problem: problem.message, remedy }
+    }
+}
+
+impl Document {
+    /// Reads at most [`MAX_FILE_BYTES`] of strict JSON.
+    pub fn read(path: &Path) -> Result<Self> {
+        let file = std::fs::File::open(path).map_err(Error::reading(path))?;
+        let mut bytes = Vec::new();
+        file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(Error::reading(path))?;
+        if bytes.len() as u64 > MAX_FILE_BYTES {
+            let remedy = "A scene or an experiment has a few kilobytes: check that this is the file you mean.";
+            return Err(Error::input(path.display().to_string(), format!("larger than {} MiB", MAX_FILE_BYTES >> 20), remedy));
+        }
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let valid = String::from_utf8_lossy(&e.as_bytes()[..e.utf8_error().valid_up_to()]).into_owned();
+            let problem = "a byte that is not UTF-8".to_owned();
+            error_at(path, locate::line_col(&valid, valid.len()), None, problem, "Save the file as UTF-8 text.".to_owned())
+        })?;
+        Self::parse(path, text)
+    }
+
+    /// Parses `text`; `path` is for messages and for what is relative to it, and need not exist.
+    pub fn parse(path: &Path, mut text: String) -> Result<Self> {
+        if text.starts_with('\u{feff}') {
+            text.remove(0);
+        }
+        let syntax = |(place, problem)| {
+            error_at(path, place, None, problem, "Correct the JSON; comments and trailing commas are not part of it.".to_owned())
+        };
+        locate::check(&text).map_err(syntax)?;
+        let value = serde_json::from_str(&text).map_err(|e| {
+            let message = e.to_string();
+            let problem = message.split(" at line ").next().unwrap_or(&message).to_owned();
+            syntax(((e.line().max(1), e.column().max(1)), problem))
+        })?;
+        Ok(Self { path: path.to_owned(), text, value })
+    }
+
+    /// The whole file as it was read.
+    pub fn value(&self) -> &Value {
+        &self.value
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The folder that relative paths in the file start from.
+    pub fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
+    /// An error about the value at `pointer`.
+    pub fn error(&self, pointer: &str, problem: impl Into<String>, remedy: impl Into<String>) -> Error {
+        self.fault(Fault { pointer: pointer.to_owned(), part: Part::Value, problem: problem.into(), remedy: remedy.into() })
+    }
+
+    /// An error about the key that `pointer` ends with.
+    pub fn error_at_key(&self, pointer: &str, problem: impl Into<String>, remedy: impl Into<String>) -> Error {
+        self.fault(Fault { pointer: pointer.to_owned(), part: Part::Key, problem: problem.into(), remedy: remedy.into() })
+    }
+
+    pub(super) fn fault(&self, fault: Fault) -> Error {
+        let place = locate::position(&self.text, &fault.pointer, fault.part);
+        error_at(&self.path, place, Some(&fault.pointer), fault.problem, fault.remedy)
+    }
+
+    /// The value at `pointer` as a `T`.
+    pub(super) fn get<T: DeserializeOwned>(&self, pointer: &str) -> Result<T> {
+        let value = self.value.pointer(pointer).unwrap_or(&Value::Null);
+        deserialize(value).map_err(|fault| self.fault(Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }))
+    }
+
+    /// The elements of the list at `pointer`, or the single value there; each with its own pointer. Never empty.
+    pub(super) fn one_or_many(&self, pointer: &str) -> Result<Vec<(String, Value)>> {
+        match self.value.pointer(pointer) {
+            Some(Value::Array(list)) if list.is_empty() => {
+                Err(self.error(pointer, "the list is empty", "Give at least one value, or leave the key out."))
+            }
+            Some(Value::Array(list)) => Ok(list.iter().enumerate().map(|(i, v)| (format!("{pointer}/{i}"), v.clone())).collect()),
+            Some(single) => Ok(vec![(pointer.to_owned(), single.clone())]),
+            None => Err(self.error(pointer, "the value is missing", SCHEMA_HINT)),
+        }
+    }
+}
+
+/// `value` as a `T`, with a JSON pointer to what does not fit.
+pub(super) fn deserialize<T: DeserializeOwned>(value: &Value) -> Result<T, Fault> {
+    serde_path_to_error::deserialize(value).map_err(|e| {
+        let problem = e.inner().to_string();
+        let part = if problem.starts_with("unknown field") { Part::Key } else { Part::Value };
+        let mut pointer: String = e.path().iter().map(pointer_step).collect();
+        while value.pointer(&pointer).is_none() {
+            pointer.truncate(pointer.rfind('/').unwrap_or(0));
+        }
+        Fault { pointer, part, remedy: format!("{}{SCHEMA_HINT}", suggestion(&problem)), problem }
+    })
+}
+
+fn pointer_step(segment: &Segment) -> String {
+    match segment {
+        Segment::Seq { index } => format!("/{index}"),
+        Segment::Map { key } => locate::step(key),
+        Segment::Enum { variant } => locate::step(variant),
+        Segment::Unknown => String::new(),
+    }
+}
+
+/// serde writes "unknown field `x`, expected one of `a`, `b`": the first quoted word is wrong, the others are allowed.
+fn suggestion(problem: &str) -> String {
+    let mut quoted = problem.split('`').skip(1).step_by(2);
+    match quoted.next() {
+        Some(word) if problem.starts_with("unknown ") => suggest::sentence(word, quoted),
+        _ => String::new(),
+    }
+}
+
+fn error_at(path: &Path, (line, column): LineCol, pointer: Option<&str>, problem: String, remedy: String) -> Error {
+    let suffix = match pointer {
+        None => String::new(),
+        Some("") => " (at the top level)".to_owned(),
+        Some(pointer) => format!(" (at {pointer})"),
+    };
+    Error::input(format!("{}:{line}:{column}{suffix}", path.display()), problem, remedy)
+}

@@ -1,0 +1,236 @@
+//! The experiment file: which scenes, sizes, suns and method settings to measure.
+//!
+//! ```json
+//! { "name": "quick", "image": {"width": 160, "height": 90}, "runs": 5, "discard": 1,
+//!   "scenes": [{"scene": "scenes/cumulus.json", "set": {"/density/procedural/decks/0/coverage": [0.3, 0.5]}}],
+//!   "sun_elevation_deg": [60, 12],
+//!   "methods": [{"method": "srm", "steps": [6, 10, 20]}] }
+//! ```
+//!
+//! Every value that can vary is one value or a list; lists multiply. A value that is itself an array
+//! (a position) is varied by a list of arrays.
+
+use super::document::Document;
+use super::locate;
+use crate::batch::record::ImageSize;
+use crate::error::Result;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use std::path::Path;
+
+/// Scene member behind the shorthand `sun_elevation_deg`.
+const SUN_POINTER: &str = "/sun/elevation_deg";
+/// Scene member behind the shorthand `view_steps`.
+pub(super) const STEPS_POINTER: &str = "/march/steps";
+/// Largest image side, pixels: what every wgpu adapter can allocate (`Limits::default`).
+const MAX_SIDE: u32 = 8192;
+/// Most timed rounds.
+const MAX_RUNS: u32 = 10_000;
+
+/// A checked experiment file; [`super::expand`] makes the matrix of it.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// Shown in reports, 1 to 200 characters.
+    pub name: String,
+    /// Image sizes; outer to the methods, inner to scenes and suns. Never empty.
+    pub images: Vec<ImageSize>,
+    /// Timed rounds that count, 1…10 000.
+    pub runs: u32,
+    /// Rounds run before them and thrown away, 0…10 000 (compilation, caches, clocks).
+    pub discard: u32,
+    /// Scenes in file order. Never empty.
+    pub scenes: Vec<SceneEntry>,
+    /// Method settings in file order; checked against the catalogue by [`super::expand`]. Never empty.
+    pub methods: Vec<MethodEntry>,
+    document: Document,
+}
+
+/// One scene file and the values that vary in it.
+#[derive(Clone, Debug)]
+pub struct SceneEntry {
+    /// Pointer of the entry in the experiment.
+    pub place: String,
+    /// The scene file.
+    pub document: Document,
+    /// `set`, then `sun_elevation_deg`, then `view_steps`; the first is the slowest in the matrix.
+    pub axes: Vec<Axis>,
+}
+
+/// A scene member and the values it takes.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// JSON pointer into the scene.
+    pub target: String,
+    /// JSON pointer of the axis in the experiment.
+    pub place: String,
+    /// Each value with its pointer in the experiment. Never empty.
+    pub values: Vec<(String, Value)>,
+}
+
+/// One method and the values of its parameters.
+#[derive(Clone, Debug)]
+pub struct MethodEntry {
+    /// Pointer of the entry in the experiment.
+    pub place: String,
+    /// Pointer of the id in the experiment.
+    pub id_place: String,
+    /// Method id as written.
+    pub id: String,
+    /// Name and values (each with its pointer in the experiment), in file order.
+    pub params: Vec<(String, Vec<(String, Value)>)>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: String,
+    #[serde(rename = "image")]
+    _image: Value,
+    #[serde(default = "default_runs")]
+    runs: u32,
+    #[serde(default = "default_discard")]
+    discard: u32,
+    #[serde(rename = "scenes")]
+    _scenes: Value,
+    #[serde(default)]
+    sun_elevation_deg: Option<Value>,
+    #[serde(default)]
+    view_steps: Option<Value>,
+    #[serde(rename = "methods")]
+    _methods: Value,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileScene {
+    scene: String,
+    #[serde(default)]
+    set: Map<String, Value>,
+}
+
+pub(super) fn default_runs() -> u32 {
+    5
+}
+
+pub(super) fn default_discard() -> u32 {
+    1
+}
+
+/// Reads an experiment and the scene files it names (relative to its folder).
+pub fn load_experiment(path: &Path) -> Result<Experiment> {
+    from_document(Document::read(path)?)
+}
+
+/// An experiment from text; `path` is for messages and for what is relative to it, and need not exist.
+pub fn parse_experiment(path: &Path, text: String) -> Result<Experiment> {
+    from_document(Document::parse(path, text)?)
+}
+
+impl Experiment {
+    /// The file: for error places, and for the copy kept in the report.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+}
+
+fn from_document(document: Document) -> Result<Experiment> {
+    let file: File = document.get("")?;
+    if file.name.is_empty() || file.name.chars().count() > 200 {
+        return Err(document.error("/name", "the name must have 1 to 200 characters", "Give the experiment a short name."));
+    }
+    check_count(&document, "/runs", file.runs, 1)?;
+    check_count(&document, "/discard", file.discard, 0)?;
+    let shorthands = shorthands(&document, &file)?;
+    let each = |pointer: &str| document.one_or_many(pointer);
+    Ok(Experiment {
+        images: each("/image")?.iter().map(|(place, _)| image(&document, place)).collect::<Result<_>>()?,
+        scenes: each("/scenes")?.iter().map(|(place, value)| scene(&document, place, value, &shorthands)).collect::<Result<_>>()?,
+        methods: each("/methods")?.iter().map(|(place, value)| method(&document, place, value)).collect::<Result<_>>()?,
+        name: file.name,
+        runs: file.runs,
+        discard: file.discard,
+        document,
+    })
+}
+
+fn check_count(document: &Document, pointer: &str, count: u32, min: u32) -> Result<()> {
+    if (min..=MAX_RUNS).contains(&count) {
+        return Ok(());
+    }
+    Err(document.error(
+        pointer,
+        format!("the value is {count}, allowed is {min}…{MAX_RUNS}"),
+        "5 timed runs after 1 discarded are enough for a median.",
+    ))
+}
+
+fn shorthands(document: &Document, file: &File) -> Result<Vec<Axis>> {
+    let given = [("/sun_elevation_deg", SUN_POINTER, &file.sun_elevation_deg), ("/view_steps", STEPS_POINTER, &file.view_steps)];
+    given
+        .into_iter()
+        .filter(|(_, _, value)| value.is_some())
+        .map(|(place, target, _)| Ok(Axis { target: target.to_owned(), place: place.to_owned(), values: document.one_or_many(place)? }))
+        .collect()
+}
+
+fn image(document: &Document, place: &str) -> Result<ImageSize> {
+    let size: ImageSize = document.get(place)?;
+    for (side, pixels) in [("width", size.width), ("height", size.height)] {
+        if !(1..=MAX_SIDE).contains(&pixels) {
+            let problem = format!("{side} is {pixels} pixels, allowed is 1…{MAX_SIDE}");
+            return Err(document.error(&format!("{place}/{side}"), problem, "Choose a size such as 640 × 360."));
+        }
+    }
+    Ok(size)
+}
+
+fn scene(document: &Document, place: &str, value: &Value, shorthands: &[Axis]) -> Result<SceneEntry> {
+    let (path_place, entry) = match value {
+        Value::String(path) => (place.to_owned(), FileScene { scene: path.clone(), set: Map::new() }),
+        Value::Object(_) => (format!("{place}/scene"), document.get::<FileScene>(place)?),
+        other => {
+            let remedy = "Write \"scenes/name.json\" or {\"scene\": \"scenes/name.json\", \"set\": {…}}.";
+            return Err(document.error(place, format!("{other} is not a scene"), remedy));
+        }
+    };
+    let path = document.folder().join(&entry.scene);
+    if !path.is_file() {
+        let remedy = "Paths of scenes are relative to the experiment file.";
+        return Err(document.error(&path_place, format!("there is no scene file {}", path.display()), remedy));
+    }
+    let mut axes = entry.set.keys().map(|target| set_axis(document, place, target, shorthands)).collect::<Result<Vec<_>>>()?;
+    axes.extend_from_slice(shorthands);
+    Ok(SceneEntry { place: place.to_owned(), document: Document::read(&path)?, axes })
+}
+
+fn set_axis(document: &Document, place: &str, target: &str, shorthands: &[Axis]) -> Result<Axis> {
+    let place = format!("{place}/set{}", locate::step(target));
+    if !target.starts_with('/') {
+        let remedy = "Write the path of the scene member from the top, e.g. \"/sun/azimuth_deg\".";
+        return Err(document.error_at_key(&place, format!("`{target}` is not a JSON pointer"), remedy));
+    }
+    if let Some(other) = shorthands.iter().find(|axis| axis.target == target) {
+        let problem = format!("`{target}` is also given by `{}`", other.place.trim_start_matches('/'));
+        return Err(document.error_at_key(&place, problem, "Keep one of the two."));
+    }
+    Ok(Axis { target: target.to_owned(), values: document.one_or_many(&place)?, place })
+}
+
+fn method(document: &Document, place: &str, value: &Value) -> Result<MethodEntry> {
+    let remedy = "Write {\"method\": \"id\", \"parameter\": value or list}; `occlab methods` lists ids and parameters.";
+    let entry = |id: &String, id_place, params| MethodEntry { place: place.to_owned(), id: id.clone(), id_place, params };
+    let members = match value {
+        Value::String(id) => return Ok(entry(id, place.to_owned(), Vec::new())),
+        Value::Object(members) => members,
+        other => return Err(document.error(place, format!("{other} is not a method"), remedy)),
+    };
+    let Some(Value::String(id)) = members.get("method") else {
+        return Err(document.error(&format!("{place}/method"), "the method's id is missing or not a string", remedy));
+    };
+    let params = members
+        .keys()
+        .filter(|name| *name != "method")
+        .map(|name| Ok((name.clone(), document.one_or_many(&format!("{place}{}", locate::step(name)))?)))
+        .collect::<Result<_>>()?;
+    Ok(entry(id, format!("{place}/method"), params))
+}

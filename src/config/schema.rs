@@ -1,0 +1,101 @@
+//! One JSON Schema (draft 2020-12) for scene and experiment files, for editors and for `occlab schema`.
+
+use super::experiment::{default_discard, default_runs};
+use super::methods::MethodCatalogue;
+use crate::batch::record::ImageSize;
+use crate::occlusion::param::{ParamKind, ParamSpec};
+use crate::scene::{March, Scene};
+use schemars::generate::SchemaSettings;
+use serde_json::{Map, Value, json};
+
+/// The schema; scenes come from the Rust types, methods from what the catalogue declares.
+pub fn schema(catalogue: &dyn MethodCatalogue) -> Value {
+    let mut generator = SchemaSettings::draft2020_12().into_generator();
+    generator.subschema_for::<Scene>();
+    generator.subschema_for::<ImageSize>();
+    let mut definitions = generator.take_definitions(true);
+    definitions.insert("Experiment".to_owned(), experiment());
+    definitions.insert("SceneEntry".to_owned(), scene_entry());
+    definitions.insert("Method".to_owned(), methods(catalogue));
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "occlab scene or experiment",
+        "oneOf": [{"$ref": "#/$defs/Experiment"}, {"$ref": "#/$defs/Scene"}],
+        "$defs": definitions,
+    })
+}
+
+/// `item`, or a list of at least one of it; lists multiply into the matrix.
+fn one_or_many(item: Value) -> Value {
+    json!({"anyOf": [item.clone(), {"type": "array", "items": item, "minItems": 1}]})
+}
+
+fn described(mut schema: Value, description: &str) -> Value {
+    schema["description"] = description.into();
+    schema
+}
+
+fn experiment() -> Value {
+    let count = |min: u32, default: u32| json!({"type": "integer", "minimum": min, "maximum": 10_000, "default": default});
+    let elevation = json!({"type": "number", "exclusiveMinimum": 0, "maximum": 90});
+    let steps = json!({"type": "integer", "minimum": 1, "maximum": March::MAX_STEPS});
+    json!({
+        "type": "object",
+        "description": "Which scenes, sizes, suns and method settings to measure; every list multiplies.",
+        "properties": {
+            "name": {"type": "string", "minLength": 1, "maxLength": 200, "description": "Shown in reports."},
+            "image": described(one_or_many(json!({"$ref": "#/$defs/ImageSize"})), "Image size, pixels."),
+            "runs": described(count(1, default_runs()), "Timed rounds that count."),
+            "discard": described(count(0, default_discard()), "Rounds run before them and thrown away."),
+            "scenes": described(one_or_many(json!({"$ref": "#/$defs/SceneEntry"})), "Scenes, relative to this file."),
+            "sun_elevation_deg": described(one_or_many(elevation), "Replaces /sun/elevation_deg of every scene, degrees."),
+            "view_steps": described(one_or_many(steps), "Replaces /march/steps of every scene."),
+            "methods": described(one_or_many(json!({"$ref": "#/$defs/Method"})), "Methods and their parameters."),
+        },
+        "required": ["name", "image", "scenes", "methods"],
+        "additionalProperties": false,
+    })
+}
+
+fn scene_entry() -> Value {
+    let path = json!({"type": "string", "description": "Scene file, relative to the experiment file."});
+    json!({"anyOf": [path, {
+        "type": "object",
+        "properties": {
+            "scene": path,
+            "set": {
+                "type": "object",
+                "description": "Scene members by JSON pointer; one value or a list. A member that is an array needs a list of arrays.",
+                "propertyNames": {"pattern": "^/"},
+            },
+        },
+        "required": ["scene"],
+        "additionalProperties": false,
+    }]})
+}
+
+fn methods(catalogue: &dyn MethodCatalogue) -> Value {
+    let ids = catalogue.ids();
+    let mut alternatives = vec![json!({"enum": ids, "description": "A method at its defaults."})];
+    alternatives.extend(ids.iter().map(|id| method(id, &catalogue.params(id).unwrap_or_default())));
+    json!({"anyOf": alternatives})
+}
+
+fn method(id: &str, specs: &[&'static ParamSpec]) -> Value {
+    let mut properties = Map::new();
+    properties.insert("method".to_owned(), json!({"const": id}));
+    properties.extend(specs.iter().map(|spec| (spec.name.to_owned(), param(spec))));
+    json!({"type": "object", "title": id, "properties": properties, "required": ["method"], "additionalProperties": false})
+}
+
+fn param(spec: &ParamSpec) -> Value {
+    let (item, default) = match spec.kind {
+        ParamKind::Int { min, max, default } => (json!({"type": "integer", "minimum": min, "maximum": max}), json!(default)),
+        ParamKind::Float { min, max, default } => (json!({"type": "number", "minimum": min, "maximum": max}), json!(default)),
+        ParamKind::Choice { options, default } => (json!({"enum": options}), json!(default)),
+    };
+    let unit = if spec.unit.is_empty() { String::new() } else { format!(" Unit: {}.", spec.unit) };
+    let mut schema = described(one_or_many(item), &format!("{}{unit}", spec.doc));
+    schema["default"] = default;
+    schema
+}
