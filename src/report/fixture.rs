@@ -31,16 +31,16 @@ fn settings() -> Vec<(&'static str, Value, f64, f64, f64, u64)> {
     }
     for resolution in [256, 512, 1024] {
         let finer = 256.0 / f64::from(resolution);
-        let map = 187.0 / finer / finer / 4.0;
+        let pass = 187.0 / finer / finer / 4.0;
         let params = |extra: Value| {
-            let mut p = crate::report::fixture::map(json!({"steps": 100, "resolution": resolution, "storage": "f16"}));
-            p.extend(crate::report::fixture::map(extra));
+            let mut p = map(json!({"steps": 100, "resolution": resolution, "storage": "f16"}));
+            p.extend(map(extra));
             Value::Object(p)
         };
-        out.push(("esm", params(json!({"c": 11.09})), 0.340 + 0.02 * finer, map, 141.0, 1));
-        out.push(("bsm", params(json!({"mean": "fitted"})), 0.370 + 0.02 * finer, 1.1 * map, 149.0, 3));
-        out.push(("fom", params(json!({"order": 3})), 0.250 + 0.03 * finer, 1.5 * map, 163.0, 7));
-        out.push(("floor", params(json!({})), 0.069 * (1.0 + finer), 1.2 * map, 158.0, 100));
+        out.push(("esm", params(json!({"c": 11.09})), 0.340 + 0.02 * finer, pass, 141.0, 1));
+        out.push(("bsm", params(json!({"mean": "fitted"})), 0.370 + 0.02 * finer, 1.1 * pass, 149.0, 3));
+        out.push(("fom", params(json!({"order": 3})), 0.250 + 0.03 * finer, 1.5 * pass, 163.0, 7));
+        out.push(("floor", params(json!({})), 0.069 * (1.0 + finer), 1.2 * pass, 158.0, 100));
     }
     out.push(("none", json!({}), 2.4, 0.0, 108.0, 0));
     out
@@ -58,7 +58,8 @@ pub fn report() -> Report {
         }
     }
     cells[13].result = None;
-    cells[13].failed = Some("adapter: texture of 2.1 GiB exceeds the limit of 1 GiB; lower `resolution` <b>now</b>".into());
+    cells[13].failed =
+        Some("adapter: texture of 2.1 GiB exceeds the limit of 1 GiB; lower `resolution` <b>now</b>".into());
     if let Some(result) = &mut cells[7].result {
         result.time_ms = Times::default();
     }
@@ -93,7 +94,9 @@ fn references() -> Vec<Reference> {
                 light_samples: Some(3_812_345_678),
                 view_samples: Some(12_345_678),
                 cached: l == 1,
-                files: map(json!({"png": format!("images/truth-{s}-{l}.png"), "exr": format!("images/truth-{s}-{l}.exr")})),
+                files: map(
+                    json!({"png": format!("images/truth-{s}-{l}.png"), "exr": format!("images/truth-{s}-{l}.exr")}),
+                ),
             });
         }
     }
@@ -136,7 +139,11 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
                 wall: Some(time(generate + march + 1.7)),
             },
             rounds_total_ms: vec![generate + march; 3],
-            samples: Samples { view: 9_123_456, light: if *method == "srm" { 88_123_456 } else { 0 }, map: values * 1000 },
+            samples: Samples {
+                view: 9_123_456,
+                light: if *method == "srm" { 88_123_456 } else { 0 },
+                map: values * 1000,
+            },
             error: errors(rel_rmse, *values > 0),
             files: map(json!({
                 "png": format!("images/cell-{index}.png"), "diff_png": format!("images/cell-{index}-diff.png"),
@@ -194,7 +201,7 @@ fn picture(folder: &Path, name: &str, error: f32, scene: f32) {
         let mix = |sky: f32| ((sky * (1.0 - c) + 240.0 * light * c) as i32).clamp(0, 255) as u8;
         image::Rgb([mix(90.0), mix(130.0), mix(190.0)])
     };
-    image::RgbImage::from_fn(640, 360, |x, y| paint(x / 2, y / 2)).save(folder.join(name)).expect("picture");
+    image::RgbImage::from_fn(496, 279, |x, y| paint(x * 2 / 3, y * 2 / 3)).save(folder.join(name)).expect("picture");
 }
 
 fn difference(folder: &Path, name: &str, error: f32, scene: f32) {
@@ -202,7 +209,11 @@ fn difference(folder: &Path, name: &str, error: f32, scene: f32) {
         let c = cloud(x, y, scene).min(1.0);
         let d = (c * error * 2.0 * (y as f32 / 180.0 - 0.45)).clamp(-1.0, 1.0);
         let fade = |to: f32| (255.0 + (to - 255.0) * d.abs()) as u8;
-        if d > 0.0 { image::Rgb([fade(200.0), fade(70.0), fade(10.0)]) } else { image::Rgb([fade(20.0), fade(80.0), fade(170.0)]) }
+        if d > 0.0 {
+            image::Rgb([fade(200.0), fade(70.0), fade(10.0)])
+        } else {
+            image::Rgb([fade(20.0), fade(80.0), fade(170.0)])
+        }
     };
-    image::RgbImage::from_fn(640, 360, |x, y| paint(x / 2, y / 2)).save(folder.join(name)).expect("picture");
+    image::RgbImage::from_fn(496, 279, |x, y| paint(x * 2 / 3, y * 2 / 3)).save(folder.join(name)).expect("picture");
 }

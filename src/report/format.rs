@@ -42,9 +42,15 @@ fn number_short(value: f64) -> String {
     format!("{value:.digits$}").replace('-', "−")
 }
 
-/// Milliseconds.
+/// A time given in milliseconds, from 10 s on in seconds.
 pub fn ms(value: Option<f64>) -> String {
-    value.filter(|v| v.is_finite()).map_or_else(|| NONE.to_owned(), |v| format!("{} ms", number(v)))
+    value.filter(|v| v.is_finite()).map_or_else(
+        || NONE.to_owned(),
+        |v| match v {
+            10_000.0.. => format!("{} s", number(v / 1e3)),
+            _ => format!("{} ms", number(v)),
+        },
+    )
 }
 
 /// Bytes in binary units.

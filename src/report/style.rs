@@ -119,12 +119,10 @@ impl Marker {
 fn cross(r: f64, degrees: f64) -> Vec<(f64, f64)> {
     let (a, b) = (0.45 * r, 1.35 * r);
     let (sin, cos) = degrees.to_radians().sin_cos();
-    [
-        (-a, -b), (a, -b), (a, -a), (b, -a), (b, a), (a, a), (a, b), (-a, b), (-a, a), (-b, a), (-b, -a), (-a, -a),
-    ]
-    .iter()
-    .map(|(x, y)| (x * cos - y * sin, x * sin + y * cos))
-    .collect()
+    [(-a, -b), (a, -b), (a, -a), (b, -a), (b, a), (a, a), (a, b), (-a, b), (-a, a), (-b, a), (-b, -a), (-a, -a)]
+        .iter()
+        .map(|(x, y)| (x * cos - y * sin, x * sin + y * cos))
+        .collect()
 }
 
 #[cfg(test)]

@@ -105,7 +105,7 @@ fn a_missing_picture_is_a_notice_and_no_path_leads_outside() {
     std::fs::write(dir.path().join("broken.png"), "not a picture").expect("file");
     report.cells[18].result.as_mut().expect("result").files.insert("png".into(), "broken.png".into());
     let html = text(write(dir.path(), &report).expect("report"));
-    assert!(html.contains("Picture missing.") && html.contains("images/truth-0-0.png` cannot be read"));
+    assert!(html.contains("Picture missing.") && html.contains("images/truth-0-0.png` is not in the report folder"));
     assert_eq!(html.matches("leads outside the report folder").count(), escape.len());
     assert!(html.contains("is not a PNG that can be shown"));
     assert!(!html.contains("href=\"..") && !html.contains("href=\"/") && !html.contains("href=\"javascript"));

@@ -32,6 +32,8 @@ pub struct Case<'a> {
     pub number: usize,
     /// Scene and sun (and what else sets it apart from the other cases).
     pub name: String,
+    /// [`Self::name`] with a long name of the scene cut, so that the sun stays in sight.
+    pub short_name: String,
     /// Name for files and anchors: lower-case letters, digits and hyphens.
     pub slug: String,
     /// Its cells in matrix order, failed ones included.
@@ -159,13 +161,13 @@ fn cases(report: &Report) -> Vec<Case<'_>> {
         }
     }
     let firsts: Vec<&Cell> = groups.iter().map(|g| g[0]).collect();
-    let name = |cell| case_name(cell, &firsts);
     groups
         .into_iter()
         .enumerate()
         .map(|(i, cells)| Case {
             number: i + 1,
-            name: name(cells[0]),
+            name: case_name(cells[0], &cells[0].scene, &firsts),
+            short_name: case_name(cells[0], &shorten(&cells[0].scene, 64), &firsts),
             slug: format!("{}-{}-sun{}", i + 1, slug(&cells[0].scene), slug(&cells[0].sun_elevation_deg.to_string())),
             reference: reference(report, &cells),
             cells,
@@ -182,8 +184,8 @@ fn comparable(a: &Cell, b: &Cell) -> bool {
 }
 
 /// Scene and sun, then whatever else differs between the cases of the report.
-fn case_name(cell: &Cell, firsts: &[&Cell]) -> String {
-    let mut name = format!("{} · sun {}°", cell.scene, cell.sun_elevation_deg);
+fn case_name(cell: &Cell, scene: &str, firsts: &[&Cell]) -> String {
+    let mut name = format!("{scene} · sun {}°", cell.sun_elevation_deg);
     if firsts.iter().any(|c| c.image != cell.image) {
         name += &format!(" · {}×{}", cell.image.width, cell.image.height);
     }

@@ -31,9 +31,9 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     if all > MOST {
         note = format!("The {MOST} fastest of {all} cells, the table has the rest. Whiskers: min to 95th percentile.");
     }
-    let height = 170 + ROW * shots.len() as i32;
+    let height = 190 + ROW * shots.len() as i32;
     let svg = sheet(height, |canvas| {
-        let top = title(canvas, &super::title(case, "time of each cell"))?;
+        let top = title(canvas, "Time of each cell", &case.short_name)?;
         let keys = [
             (Key::Swatch(INK, 0.25), "making the map (pale)".to_owned()),
             (Key::Swatch(INK, 1.0), "view march (full)".to_owned()),

@@ -9,6 +9,7 @@ type Box4 = [i32; 4];
 pub struct Placer {
     bounds: Box4,
     taken: Vec<Box4>,
+    lines: Vec<Box4>,
 }
 
 /// Where a label goes.
@@ -26,7 +27,7 @@ const HALF_HEIGHT: i32 = 8;
 impl Placer {
     /// An empty plot.
     pub fn new(bounds: Box4) -> Self {
-        Self { bounds, taken: Vec::new() }
+        Self { bounds, taken: Vec::new(), lines: Vec::new() }
     }
 
     /// Keeps a square around a point free.
@@ -34,8 +35,24 @@ impl Placer {
         self.taken.push([x - radius, y - radius, x + radius, y + radius]);
     }
 
+    /// Keeps labels off a line of upright and level pieces, as long as there is room elsewhere.
+    pub fn avoid_line(&mut self, points: &[Px]) {
+        for pair in points.windows(2) {
+            let (a, b) = (pair[0], pair[1]);
+            self.lines.push([a.0.min(b.0) - 1, a.1.min(b.1) - 1, a.0.max(b.0) + 1, a.1.max(b.1) + 1]);
+        }
+    }
+
     /// The nearest free place for a label `width` wide around `point`, if there is one.
-    pub fn place(&mut self, (x, y): Px, width: i32) -> Option<Placed> {
+    pub fn place(&mut self, point: Px, width: i32) -> Option<Placed> {
+        let place = self.search(point, width, true).or_else(|| self.search(point, width, false));
+        place.map(|(area, placed)| {
+            self.taken.push(area);
+            placed
+        })
+    }
+
+    fn search(&self, (x, y): Px, width: i32, off_lines: bool) -> Option<(Box4, Placed)> {
         const ANGLES: [f64; 12] = [-20.0, 20.0, -50.0, 50.0, -90.0, 90.0, -130.0, 130.0, 160.0, -160.0, 0.0, 180.0];
         for distance in [13, 19, 27, 37, 49, 63, 79, 97, 117] {
             for angle in ANGLES {
@@ -48,19 +65,19 @@ impl Placer {
                 };
                 let lifted = if sin.abs() > 0.9 { near.1 + sin.signum() as i32 * 4 } else { near.1 };
                 let area = [left - 2, lifted - HALF_HEIGHT, left + width + 2, lifted + HALF_HEIGHT];
-                if self.free(area) {
-                    self.taken.push(area);
-                    return Some(Placed { text: (left, lifted), near, leader: distance > 19 });
+                if self.free(area, off_lines) {
+                    return Some((area, Placed { text: (left, lifted), near, leader: distance > 19 }));
                 }
             }
         }
         None
     }
 
-    fn free(&self, a: Box4) -> bool {
+    fn free(&self, a: Box4, off_lines: bool) -> bool {
         let [left, top, right, bottom] = self.bounds;
         let inside = a[0] > left + 2 && a[1] > top + 2 && a[2] < right - 2 && a[3] < bottom - 2;
-        inside && self.taken.iter().all(|b| a[2] < b[0] || b[2] < a[0] || a[3] < b[1] || b[3] < a[1])
+        let clear = |b: &Box4| a[2] < b[0] || b[2] < a[0] || a[3] < b[1] || b[3] < a[1];
+        inside && self.taken.iter().all(clear) && (!off_lines || self.lines.iter().all(clear))
     }
 }
 

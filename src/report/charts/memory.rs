@@ -2,7 +2,7 @@
 
 use super::super::format::bytes;
 use super::super::style::Style;
-use super::super::view::{Shot, View, plain};
+use super::super::view::{Shot, View, distinct, plain};
 use super::WIDTH;
 use super::axis::Axis;
 use super::canvas::{Canvas, GRID, Hang, INK, MUTED, SMALL, sheet};
@@ -11,7 +11,9 @@ use crate::batch::record::Memory;
 use crate::error::Result;
 
 /// Title of the chart; memory depends on neither scene nor sun.
-pub const TITLE: &str = "All scenes and suns — memory of the maps";
+pub const TITLE: &str = "Memory of the maps: all scenes and suns";
+const WHAT: &str = "Memory of the maps";
+const WHERE: &str = "all scenes and suns";
 
 const ROW: i32 = 24;
 const LEFT: i32 = 220;
@@ -31,9 +33,9 @@ pub fn draw(view: &View<'_>) -> Result<Option<String>> {
     if rows.iter().all(|r| r.memory.map_bytes == 0 && r.memory.payload_bytes == 0) {
         return Ok(None);
     }
-    let height = 172 + ROW * rows.len() as i32;
+    let height = 192 + ROW * rows.len() as i32;
     let svg = sheet(height, |canvas| {
-        let top = title(canvas, TITLE)?;
+        let top = title(canvas, WHAT, WHERE)?;
         let grey = Style { rgb: (0x55, 0x55, 0x55), marker: super::super::style::Marker::Circle };
         let keys = [
             (Key::Hollow(grey), "hollow: payload (values × bytes × texels)".to_owned()),
@@ -83,6 +85,8 @@ fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
             out.push((Row { method: &shot.cell.method, label, memory }, shot));
         }
     }
+    let methods = distinct(out.iter().map(|(r, _)| r.method));
+    out.sort_by_key(|(r, _)| (methods.iter().position(|m| *m == r.method), r.memory.map_bytes, r.memory.payload_bytes));
     let clashes: Vec<bool> =
         out.iter().map(|(r, _)| out.iter().filter(|(o, _)| o.label == r.label).count() > 1).collect();
     out.truncate(MOST);

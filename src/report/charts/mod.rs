@@ -10,8 +10,7 @@ mod scatter;
 mod steps;
 
 use super::files;
-use super::format::shorten;
-use super::view::{Case, View};
+use super::view::View;
 use crate::error::{Error, Result};
 use std::path::Path;
 
@@ -38,15 +37,15 @@ pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
     let mut out = Vec::new();
     for case in &view.cases {
         let drawn = [
-            ("error-time", "error against time", scatter::error_time(view, case)?),
-            ("error-bytes", "error against memory", scatter::error_bytes(view, case)?),
-            ("error-steps", "error against steps", steps::draw(view, case)?),
-            ("time", "time of each cell", bars::draw(view, case)?),
+            ("error-time", "Error against time", scatter::error_time(view, case)?),
+            ("error-bytes", "Error against memory", scatter::error_bytes(view, case)?),
+            ("error-steps", "Error against steps", steps::draw(view, case)?),
+            ("time", "Time of each cell", bars::draw(view, case)?),
         ];
         for (kind, what, svg) in drawn {
             out.extend(svg.map(|svg| Chart {
                 file: format!("{kind}-{}.svg", case.slug),
-                title: title(case, what),
+                title: format!("{what}: {}", case.name),
                 case: Some(case.number),
                 svg,
             }));
@@ -59,11 +58,6 @@ pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
         svg,
     }));
     Ok(out)
-}
-
-/// What is shown, then scene and sun; the scene's name is cut where it would push the rest out of the picture.
-fn title(case: &Case<'_>, what: &str) -> String {
-    format!("{} — {what}", shorten(&case.name, 56))
 }
 
 /// Writes the charts and removes those of an earlier report.

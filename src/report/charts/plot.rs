@@ -25,15 +25,18 @@ pub enum Key {
     Line(Style, &'static [f64]),
     /// The Pareto frontier.
     Frontier,
+    /// The frontier of the methods with a map.
+    MapFrontier,
     /// A box of one colour.
     Swatch(RGBColor, f64),
 }
 
-/// Draws the title; returns where the next thing may start.
-pub fn title(canvas: &Canvas<'_>, text: &str) -> Result<i32> {
-    let text = canvas.fit(text, TITLE * 1.06, WIDTH - 2 * MARGIN)?;
-    canvas.bold((MARGIN, 22), &text, TITLE, Hang::Right)?;
-    Ok(40)
+/// Draws the title, what is shown and of which scene and sun; returns where the next thing may start.
+pub fn title(canvas: &Canvas<'_>, what: &str, of: &str) -> Result<i32> {
+    canvas.bold((MARGIN, 20), what, TITLE, Hang::Right)?;
+    let of = canvas.fit(of, TEXT, WIDTH - 2 * MARGIN)?;
+    canvas.text((MARGIN, 42), &of, TEXT, INK, Hang::Right)?;
+    Ok(58)
 }
 
 /// Draws the legend in as many rows as it takes; returns where the next thing may start.
@@ -41,7 +44,7 @@ pub fn legend(canvas: &Canvas<'_>, top: i32, entries: &[(Key, String)]) -> Resul
     let (mut x, mut y) = (MARGIN, top + 9);
     for (key, text) in entries {
         let text = canvas.fit(text, TEXT, 300)?;
-        let lead = if matches!(key, Key::Line(..) | Key::Frontier) { 42 } else { 20 };
+        let lead = if matches!(key, Key::Line(..) | Key::Frontier | Key::MapFrontier) { 42 } else { 20 };
         let width = lead + canvas.width(&text, TEXT)? + 18;
         if x + width > WIDTH - MARGIN / 2 && x > MARGIN {
             (x, y) = (MARGIN, y + 21);
@@ -65,6 +68,7 @@ fn draw_key(canvas: &Canvas<'_>, (x, y): Px, key: &Key) -> Result<()> {
             canvas.dashed(&[(x, y), (x + 34, y)], MUTED, 1, FRONTIER_DASH)?;
             canvas.ring((x + 17, y), 9, INK, 2)
         }
+        Key::MapFrontier => canvas.dashed(&[(x, y), (x + 34, y)], MUTED, 1, MAP_DASH),
         Key::Swatch(color, alpha) => {
             use plotters::style::Color as _;
             canvas.rect([(x, y - 6), (x + 14, y + 6)], color.mix(*alpha))?;
@@ -75,6 +79,9 @@ fn draw_key(canvas: &Canvas<'_>, (x, y): Px, key: &Key) -> Result<()> {
 
 /// Pattern of the frontier's line.
 pub const FRONTIER_DASH: &[f64] = &[5.0, 4.0];
+
+/// Pattern of the line of the methods with a map.
+pub const MAP_DASH: &[f64] = &[2.0, 3.0];
 
 /// A method's colour for plotters.
 pub fn ink_of(style: Style) -> RGBColor {
@@ -117,6 +124,13 @@ impl Plot {
         bottom - (self.y.at(value) * f64::from(bottom - top)).round() as i32
     }
 
+    /// The line right of the place of zero on the x axis, if there is one.
+    pub fn break_line(&self) -> Vec<Px> {
+        let [left, top, right, bottom] = self.bounds;
+        let x = |share: f64| left + (share * f64::from(right - left)).round() as i32;
+        self.x.break_at().map(|s| vec![(x(s), top), (x(s), bottom)]).unwrap_or_default()
+    }
+
     /// Grid, frame, tick labels and axis titles.
     pub fn draw(&self, canvas: &Canvas<'_>) -> Result<()> {
         self.draw_x(canvas)?;
@@ -142,10 +156,7 @@ impl Plot {
                 taken.push(span);
             }
         }
-        if let Some(share) = self.x.break_at() {
-            let x = left + (share * f64::from(right - left)).round() as i32;
-            canvas.dashed(&[(x, top), (x, bottom)], MUTED, 1, &[2.0, 4.0])?;
-        }
+        canvas.dashed(&self.break_line(), MUTED, 1, &[2.0, 4.0])?;
         canvas.text(((left + right) / 2, bottom + 35), &self.x.title, TEXT, INK, Hang::Middle)
     }
 

@@ -24,15 +24,12 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
         return Ok(None);
     }
     let rank = |i: usize| lines[..i].iter().filter(|l| l.method == lines[i].method).count();
-    let styled: Vec<(&Line<'_>, Style, &'static [f64])> = lines
-        .iter()
-        .enumerate()
-        .map(|(i, l)| (l, Style::of(l.method), PATTERNS[rank(i) % PATTERNS.len()]))
-        .collect();
+    let styled: Vec<(&Line<'_>, Style, &'static [f64])> =
+        lines.iter().enumerate().map(|(i, l)| (l, Style::of(l.method), PATTERNS[rank(i) % PATTERNS.len()])).collect();
     let rows = i32::try_from(lines.len() / 2).unwrap_or(0).min(30);
-    let height = 480 + 16 * rows;
+    let height = 500 + 16 * rows;
     let svg = sheet(height, |canvas| {
-        let top = title(canvas, &super::title(case, "error against steps"))?;
+        let top = title(canvas, "Error against steps", &case.short_name)?;
         let keys: Vec<_> = styled.iter().map(|(l, s, p)| (Key::Line(*s, p), l.label.clone())).collect();
         let top = legend(canvas, top, &keys)?;
         let all = || lines.iter().flat_map(|l| l.points.iter());

@@ -77,7 +77,7 @@ impl Album {
 
     fn read(&self, name: &str) -> Result<(String, (u32, u32)), String> {
         let path = files::inside(&self.folder, name)?;
-        let bytes = std::fs::read(&path).map_err(|e| format!("`{name}` cannot be read: {e}"))?;
+        let bytes = std::fs::read(&path).map_err(|e| unreadable(name, &e))?;
         let picture = image::load_from_memory_with_format(&bytes, ImageFormat::Png)
             .map_err(|e| format!("`{name}` is not a PNG that can be shown: {e}"))?;
         let size = (picture.width(), picture.height());
@@ -89,6 +89,13 @@ impl Album {
         let mut png = Cursor::new(Vec::new());
         small.write_to(&mut png, ImageFormat::Png).map_err(|e| format!("`{name}` cannot be scaled: {e}"))?;
         Ok((data_uri(png.get_ref()), (WIDEST, height)))
+    }
+}
+
+fn unreadable(name: &str, problem: &std::io::Error) -> String {
+    match problem.kind() {
+        std::io::ErrorKind::NotFound => format!("`{name}` is not in the report folder"),
+        _ => format!("`{name}` cannot be read: {problem}"),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::super::format::{bytes, ms, number, signed_percent};
 use super::super::pareto::frontier;
-use super::super::view::{Case, Shot, View};
+use super::super::view::{Shot, View};
 use super::parts;
 use maud::{Markup, html};
 
@@ -21,8 +21,8 @@ pub fn section(view: &View<'_>) -> Markup {
                 @if shots.is_empty() { p.notice { "Every cell of this scene and sun failed." } }
                 @else {
                     div.pair {
-                        (by_time(view, case, &shots))
-                        (by_memory(view, case, &shots))
+                        (by_time(view, &shots))
+                        (by_memory(view, &shots))
                     }
                 }
             }
@@ -30,7 +30,7 @@ pub fn section(view: &View<'_>) -> Markup {
     }
 }
 
-fn by_time(view: &View<'_>, case: &Case<'_>, shots: &[Shot<'_>]) -> Markup {
+fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
     let timed: Vec<&Shot<'_>> = shots.iter().filter(|s| s.total_ms().is_some()).collect();
     if timed.is_empty() {
         return html! { p.notice { "Times are n/a: the adapter gives no timestamps." } };
@@ -39,19 +39,19 @@ fn by_time(view: &View<'_>, case: &Case<'_>, shots: &[Shot<'_>]) -> Markup {
         timed.iter().map(|s| (s.total_ms().unwrap_or(f64::INFINITY), s.numbers.error.rel_rmse)).collect();
     let untimed = shots.len() - timed.len();
     let caption = html! {
-        "Smallest error for a given time. " (case.name) "."
+        "Smallest error for a given time."
         @if untimed > 0 { " Without " (parts::plural(untimed, "cell")) " whose time is n/a." }
     };
     let head = html! {
-        th scope="col" { "Time " span.unit { "ms, median" } }
+        th.n scope="col" { "Time " span.unit { "ms" } br; span.unit { "median" br; "min–p95" } }
         (columns())
-        th scope="col" { "Map" }
+        th.n scope="col" { "Map" }
     };
     let body = html! {
         @for shot in frontier(&points).into_iter().map(|i| timed[i]) {
             @let total = shot.numbers.time_ms.total.unwrap_or_default();
             tr {
-                td.n { strong { (number(total.median)) } " " span.unit { (number(total.min)) "–" (number(total.p95)) } }
+                td.n { strong { (number(total.median)) } br; span.unit { (number(total.min)) "–" (number(total.p95)) } }
                 (cells(view, shot))
                 td.n { (bytes(shot.numbers.memory.map_bytes)) }
             }
@@ -60,17 +60,24 @@ fn by_time(view: &View<'_>, case: &Case<'_>, shots: &[Shot<'_>]) -> Markup {
     parts::table(view, caption, "small", head, body)
 }
 
-fn by_memory(view: &View<'_>, case: &Case<'_>, shots: &[Shot<'_>]) -> Markup {
+fn by_memory(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
     let points: Vec<_> = shots.iter().map(|s| (s.map_bytes(), s.numbers.error.rel_rmse)).collect();
-    let caption = html! { "Smallest error for given memory of the map. " (case.name) "." };
+    let best = frontier(&points);
+    let only_maps: Vec<_> = points.iter().map(|p| if p.0 > 0.0 { *p } else { (f64::NAN, p.1) }).collect();
+    let mut with_map = frontier(&only_maps);
+    with_map.retain(|i| !best.contains(i));
+    let caption = html! {
+        "Smallest error for given memory of the map."
+        @if !with_map.is_empty() { " Below the line: among methods with a map." }
+    };
     let head = html! {
-        th scope="col" { "Map" }
+        th.n scope="col" { "Map" }
         (columns())
-        th scope="col" { "Time" }
+        th.n scope="col" { "Time" }
     };
     let body = html! {
-        @for shot in frontier(&points).into_iter().map(|i| &shots[i]) {
-            tr {
+        @for (i, shot) in best.iter().chain(&with_map).map(|&i| &shots[i]).enumerate() {
+            tr.divided[i == best.len()] {
                 td.n { strong { (bytes(shot.numbers.memory.map_bytes)) } }
                 (cells(view, shot))
                 td.n { (ms(shot.total_ms())) }
@@ -84,9 +91,9 @@ fn columns() -> Markup {
     html! {
         th scope="col" { "Method" }
         th scope="col" { "Setting" }
-        th scope="col" { "rel_rmse" }
-        th scope="col" { "Leak" }
-        th scope="col" { "Darken" }
+        th.n scope="col" { "rel_rmse" }
+        th.n scope="col" { "Leak" }
+        th.n scope="col" { "Darken" }
     }
 }
 

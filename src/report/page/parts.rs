@@ -47,10 +47,10 @@ pub fn cell(value: Option<f64>, text: impl FnOnce(f64) -> String) -> Markup {
     }
 }
 
-/// A heading of a sortable column with its unit.
-pub fn heading(name: &str, unit: &str) -> Markup {
+/// A heading of a sortable column with its unit; those of numbers stand at the right, as the numbers do.
+pub fn heading(name: &str, unit: &str, numeric: bool) -> Markup {
     html! {
-        th scope="col" aria-sort="none" {
+        th.n[numeric] scope="col" aria-sort="none" {
             button type="button" { (name) @if !unit.is_empty() { " " span.unit { (unit) } } }
         }
     }
@@ -59,11 +59,13 @@ pub fn heading(name: &str, unit: &str) -> Markup {
 /// A table in a container of its own that scrolls, with a caption that names the adapter.
 pub fn table(view: &View<'_>, caption: impl Render, class: &str, head: impl Render, body: impl Render) -> Markup {
     html! {
-        div.scroll tabindex="0" {
-            table class=(class) {
-                caption { (caption) " " span.where { "Adapter: " (view.adapter()) } }
-                thead { tr { (head) } }
-                tbody { (body) }
+        figure.table {
+            figcaption { (caption) " " span.where { "Adapter: " (view.adapter()) } }
+            div.scroll tabindex="0" {
+                table class=(class) {
+                    thead { tr { (head) } }
+                    tbody { (body) }
+                }
             }
         }
     }

@@ -64,7 +64,7 @@ fn truth(case: &Case<'_>, album: &mut Album) -> Markup {
 fn color_bar(case: &Case<'_>) -> Markup {
     let scale = case.shots().iter().find_map(|s| s.numbers.files.get("diff_scale").and_then(|v| v.as_f64()));
     let end = |sign: &str, word: &str| match scale {
-        Some(s) => format!("{sign}{}", number(s)),
+        Some(s) => format!("{sign}{s}"),
         None => word.to_owned(),
     };
     html! {
@@ -117,15 +117,14 @@ fn image(picture: &Picture, name: &str, class: &str) -> Markup {
             a.frame href=(link) { img class=(class) src=(link) alt=(name) loading="lazy"; }
         },
         Picture::Missing(reason) => html! {
-            p.notice.missing { strong { "Picture missing. " } (name) ": " (reason) "." }
+            div.notice.missing role="img" aria-label=(name) { strong { "Picture missing. " } (reason) "." }
         },
     }
 }
 
 /// The chooser: works with the script, hidden without it. Cells that have a card on the sheet take its pictures.
 fn compare(view: &View<'_>, case: &Case<'_>, best: &[(&str, Option<Shot<'_>>)], album: &mut Album) -> Markup {
-    let on_sheet =
-        |s: &Shot<'_>| best.iter().any(|(_, b)| b.as_ref().is_some_and(|b| b.cell.index == s.cell.index));
+    let on_sheet = |s: &Shot<'_>| best.iter().any(|(_, b)| b.as_ref().is_some_and(|b| b.cell.index == s.cell.index));
     let shots = case.shots();
     if shots.is_empty() {
         return html! {};
@@ -145,7 +144,7 @@ fn compare(view: &View<'_>, case: &Case<'_>, best: &[(&str, Option<Shot<'_>>)], 
             div.stage {
                 figure { img.left alt="truth"; figcaption { "truth" } }
                 figure { img.right alt="chosen cell"; figcaption.chosen {} }
-                figure { img.delta alt="difference"; figcaption { "difference from the truth" } }
+                figure { img.delta alt="difference"; figcaption { (color_bar(case)) } }
             }
             @for shot in &shots {
                 @let files = &shot.numbers.files;

@@ -40,7 +40,7 @@ for (const article of document.querySelectorAll("article.case")) {
     img.removeAttribute("src");
     const notice = document.createElement("p");
     notice.className = "notice missing";
-    notice.textContent = `Picture missing: ${why}`;
+    notice.textContent = `Picture missing. ${why}.`;
     img.before(notice);
   };
   const select = box.querySelector("select");

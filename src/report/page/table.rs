@@ -7,9 +7,10 @@ use super::parts::{self, cell, heading};
 use maud::{Markup, html};
 
 /// Columns with their units, in order.
-const COLUMNS: [(&str, &str); 34] = [
+const COLUMNS: [(&str, &str); 35] = [
     ("#", ""),
-    ("Scene and sun", ""),
+    ("Scene", ""),
+    ("Sun", "°"),
     ("Method", ""),
     ("Setting", ""),
     ("rel_rmse", "1"),
@@ -44,9 +45,12 @@ const COLUMNS: [(&str, &str); 34] = [
     ("Picture", ""),
 ];
 
+/// Columns without numbers.
+const TEXTS: [&str; 4] = ["Scene", "Method", "Setting", "Picture"];
+
 /// The section.
 pub fn section(view: &View<'_>, album: &Album) -> Markup {
-    let head = html! { @for (name, unit) in COLUMNS { (heading(name, unit)) } };
+    let head = html! { @for (name, unit) in COLUMNS { (heading(name, unit, !TEXTS.contains(&name))) } };
     let body = html! {
         @for case in &view.cases {
             @for shot in case.shots() { (row(view, case, &shot, album)) }
@@ -70,7 +74,8 @@ fn row(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &Album) -> Mark
     html! {
         tr {
             td.n data-v=(shot.cell.index) { (shot.cell.index) }
-            td { (case.name) }
+            td title=(case.name) { (case.name) }
+            td.n data-v=(shot.cell.sun_elevation_deg) { (shot.cell.sun_elevation_deg) }
             th scope="row" { (parts::method(&shot.cell.method)) }
             td { (parts::setting(view, shot)) }
             (errors(shot))

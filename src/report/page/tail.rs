@@ -12,7 +12,8 @@ pub fn failures(view: &View<'_>) -> Markup {
     if failed.is_empty() {
         return html! {};
     }
-    let head = html! { @for name in ["#", "Scene", "Sun", "Method", "Parameters", "Reason"] { th scope="col" { (name) } } };
+    let head =
+        html! { @for name in ["#", "Scene", "Sun", "Method", "Parameters", "Reason"] { th scope="col" { (name) } } };
     let body = html! {
         @for cell in &failed {
             tr {
@@ -60,7 +61,7 @@ pub fn references(view: &View<'_>) -> Markup {
         @for (name, unit) in [
             ("Scene", ""), ("Sun", "°"), ("Image", "px"), ("March", "ms"), ("View samples", ""), ("Light samples", ""),
             ("Throughput", "Msamples/s"), ("Time ÷ srm, 10 steps", "1"), ("Source", ""),
-        ] { (parts::heading(name, unit)) }
+        ] { (parts::heading(name, unit, !["Scene", "Source"].contains(&name))) }
     };
     let body = html! {
         @for reference in &view.report.references {
@@ -157,7 +158,10 @@ fn truths_ms(view: &View<'_>) -> Option<f64> {
 
 /// One line for each number.
 const DEFINITIONS: [(&str, &str); 22] = [
-    ("L, ΔL", "sun-lit linear radiance of a cloud pixel (opacity of the truth above 0.01), and its difference from the truth"),
+    (
+        "L, ΔL",
+        "sun-lit linear radiance of a cloud pixel (opacity of the truth above 0.01), and its difference from the truth",
+    ),
     ("rel_rmse", "√Σ(ΔL)² / √ΣL² over RGB and cloud pixels; 1 = as large as the picture itself"),
     ("floor_rel_rmse", "rel_rmse of the uncompressed column at the same steps and texels: what marching alone costs"),
     ("bias", "ΣΔL / ΣL, in %; near zero it can hide leak and darken of equal size"),
@@ -170,7 +174,10 @@ const DEFINITIONS: [(&str, &str); 22] = [
     ("SSIM", "structural similarity of the tone-mapped luma; 1 = equal"),
     ("flicker", "RMS frame-to-frame change of ΔL over a camera pan, in units of mean L; n/a without a pan"),
     ("not finite", "channels of the picture that are NaN or infinite; 0 is right"),
-    ("total, map pass, march", "median device time of one picture and of its passes over the repeats, in ms; n/a without timestamps"),
+    (
+        "total, map pass, march",
+        "median device time of one picture and of its passes over the repeats, in ms; n/a without timestamps",
+    ),
     ("min, p95, CV, n", "of the total time: smallest, 95th percentile (ms), standard deviation over mean (%), repeats"),
     ("wall", "submission to completion seen from the CPU, median, in ms"),
     ("map", "bytes of the map's textures as allocated; 0 for methods without a map"),
