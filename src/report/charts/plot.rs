@@ -1,0 +1,189 @@
+//! The parts all charts share: title, legend, axes with grid, caption with the adapter.
+
+use super::super::style::Style;
+use super::super::view::View;
+use super::WIDTH;
+use super::axis::{Axis, Tick};
+use super::canvas::{Canvas, GRID, Hang, INK, MUTED, Px, SMALL, TEXT, TITLE};
+use crate::error::Result;
+use plotters::style::RGBColor;
+
+/// Left and right margin, px.
+pub const MARGIN: i32 = 16;
+/// Room under a plot for tick labels and the axis title.
+const UNDER: i32 = 48;
+/// Room for the two caption lines.
+const CAPTION: i32 = 44;
+
+/// What stands before an entry of the legend.
+pub enum Key {
+    /// A method's marker.
+    Marker(Style),
+    /// A method's marker without filling.
+    Hollow(Style),
+    /// A line with a marker, dashed by the pattern.
+    Line(Style, &'static [f64]),
+    /// The Pareto frontier.
+    Frontier,
+    /// The frontier of the methods with a map.
+    MapFrontier,
+    /// A box of one colour.
+    Swatch(RGBColor, f64),
+}
+
+/// Draws the title, what is shown and of which scene and sun; returns where the next thing may start.
+pub fn title(canvas: &Canvas<'_>, what: &str, of: &str) -> Result<i32> {
+    canvas.bold((MARGIN, 20), what, TITLE, Hang::Right)?;
+    let of = canvas.fit(of, TEXT, WIDTH - 2 * MARGIN)?;
+    canvas.text((MARGIN, 42), &of, TEXT, INK, Hang::Right)?;
+    Ok(58)
+}
+
+/// Draws the legend in as many rows as it takes; returns where the next thing may start.
+pub fn legend(canvas: &Canvas<'_>, top: i32, entries: &[(Key, String)]) -> Result<i32> {
+    let (mut x, mut y) = (MARGIN, top + 9);
+    for (key, text) in entries {
+        let text = canvas.fit(text, TEXT, 300)?;
+        let lead = if matches!(key, Key::Line(..) | Key::Frontier | Key::MapFrontier) { 42 } else { 20 };
+        let width = lead + canvas.width(&text, TEXT)? + 18;
+        if x + width > WIDTH - MARGIN / 2 && x > MARGIN {
+            (x, y) = (MARGIN, y + 21);
+        }
+        draw_key(canvas, (x, y), key)?;
+        canvas.text((x + lead, y), &text, TEXT, INK, Hang::Right)?;
+        x += width;
+    }
+    Ok(y + 20)
+}
+
+fn draw_key(canvas: &Canvas<'_>, (x, y): Px, key: &Key) -> Result<()> {
+    match key {
+        Key::Marker(style) => canvas.marker((x + 7, y), 5.0, *style, false),
+        Key::Hollow(style) => canvas.marker((x + 7, y), 5.0, *style, true),
+        Key::Line(style, pattern) => {
+            canvas.dashed(&[(x, y), (x + 34, y)], ink_of(*style), 2, pattern)?;
+            canvas.marker((x + 17, y), 4.0, *style, false)
+        }
+        Key::Frontier => {
+            canvas.dashed(&[(x, y), (x + 34, y)], MUTED, 1, FRONTIER_DASH)?;
+            canvas.ring((x + 17, y), 9, INK, 2)
+        }
+        Key::MapFrontier => canvas.dashed(&[(x, y), (x + 34, y)], MUTED, 1, MAP_DASH),
+        Key::Swatch(color, alpha) => {
+            use plotters::style::Color as _;
+            canvas.rect([(x, y - 6), (x + 14, y + 6)], color.mix(*alpha))?;
+            canvas.frame([(x, y - 6), (x + 14, y + 6)], *color)
+        }
+    }
+}
+
+/// Pattern of the frontier's line.
+pub const FRONTIER_DASH: &[f64] = &[5.0, 4.0];
+
+/// Pattern of the line of the methods with a map.
+pub const MAP_DASH: &[f64] = &[2.0, 3.0];
+
+/// A method's colour for plotters.
+pub fn ink_of(style: Style) -> RGBColor {
+    let (r, g, b) = style.rgb;
+    RGBColor(r, g, b)
+}
+
+/// Draws the two lines at the foot: adapter with device type, then what the marks mean.
+pub fn caption(canvas: &Canvas<'_>, view: &View<'_>, height: i32, note: &str) -> Result<()> {
+    let room = WIDTH - 2 * MARGIN;
+    let adapter = canvas.fit(&format!("Measured on {}", view.adapter()), SMALL, room)?;
+    canvas.text((MARGIN, height - 32), &adapter, SMALL, MUTED, Hang::Right)?;
+    let note = canvas.fit(note, SMALL, room)?;
+    canvas.text((MARGIN, height - 14), &note, SMALL, MUTED, Hang::Right)
+}
+
+/// The rectangle of the data with its two axes.
+pub struct Plot {
+    /// Left, top, right, bottom in px.
+    pub bounds: [i32; 4],
+    x: Axis,
+    y: Axis,
+}
+
+impl Plot {
+    /// A plot from `top` down to the caption of a sheet of `height`, with `left` px for the y axis.
+    pub fn new(top: i32, height: i32, left: i32, x: Axis, y: Axis) -> Self {
+        Self { bounds: [left, top, WIDTH - 24, height - CAPTION - UNDER], x, y }
+    }
+
+    /// Pixel column of a value.
+    pub fn px(&self, value: f64) -> i32 {
+        let [left, _, right, _] = self.bounds;
+        left + (self.x.at(value) * f64::from(right - left)).round() as i32
+    }
+
+    /// Pixel row of a value.
+    pub fn py(&self, value: f64) -> i32 {
+        let [_, top, _, bottom] = self.bounds;
+        bottom - (self.y.at(value) * f64::from(bottom - top)).round() as i32
+    }
+
+    /// The line right of the place of zero on the x axis, if there is one.
+    pub fn break_line(&self) -> Vec<Px> {
+        let [left, top, right, bottom] = self.bounds;
+        let x = |share: f64| left + (share * f64::from(right - left)).round() as i32;
+        self.x.break_at().map(|s| vec![(x(s), top), (x(s), bottom)]).unwrap_or_default()
+    }
+
+    /// Grid, frame, tick labels and axis titles.
+    pub fn draw(&self, canvas: &Canvas<'_>) -> Result<()> {
+        self.draw_x(canvas)?;
+        self.draw_y(canvas)?;
+        let [left, top, right, bottom] = self.bounds;
+        canvas.frame([(left, top), (right, bottom)], INK)
+    }
+
+    /// Vertical grid lines and the x axis alone.
+    pub fn draw_x(&self, canvas: &Canvas<'_>) -> Result<()> {
+        let [left, top, right, bottom] = self.bounds;
+        let at = |t: &Tick| left + (t.at * f64::from(right - left)).round() as i32;
+        let ticks = self.x.ticks();
+        ticks.iter().try_for_each(|t| canvas.line(&[(at(t), top), (at(t), bottom)], GRID, 1))?;
+        let mut taken: Vec<(i32, i32)> = Vec::new();
+        for tick in by_rank(&ticks) {
+            let half = canvas.width(&tick.text, SMALL)? / 2;
+            let span = (at(tick) - half - 6, at(tick) + half + 6);
+            let inside = span.1 < WIDTH && span.0 > 0;
+            if inside && taken.iter().all(|t| span.1 < t.0 || span.0 > t.1) {
+                canvas.line(&[(at(tick), bottom), (at(tick), bottom + 5)], INK, 1)?;
+                canvas.text((at(tick), bottom + 14), &tick.text, SMALL, INK, Hang::Middle)?;
+                taken.push(span);
+            }
+        }
+        canvas.dashed(&self.break_line(), MUTED, 1, &[2.0, 4.0])?;
+        canvas.text(((left + right) / 2, bottom + 35), &self.x.title, TEXT, INK, Hang::Middle)
+    }
+
+    fn draw_y(&self, canvas: &Canvas<'_>) -> Result<()> {
+        let [left, top, right, bottom] = self.bounds;
+        let at = |t: &Tick| bottom - (t.at * f64::from(bottom - top)).round() as i32;
+        let ticks = self.y.ticks();
+        ticks.iter().try_for_each(|t| canvas.line(&[(left, at(t)), (right, at(t))], GRID, 1))?;
+        let mut taken: Vec<i32> = Vec::new();
+        for tick in by_rank(&ticks) {
+            if taken.iter().all(|t| (at(tick) - t).abs() >= 17) {
+                canvas.line(&[(left - 5, at(tick)), (left, at(tick))], INK, 1)?;
+                canvas.text((left - 8, at(tick)), &tick.text, SMALL, INK, Hang::Left)?;
+                taken.push(at(tick));
+            }
+        }
+        if let Some(share) = self.y.break_at() {
+            let y = bottom - (share * f64::from(bottom - top)).round() as i32;
+            canvas.dashed(&[(left, y), (right, y)], MUTED, 1, &[2.0, 4.0])?;
+        }
+        canvas.upright((18, (top + bottom) / 2), &self.y.title, TEXT)
+    }
+}
+
+/// Ticks with the ones that matter most first.
+fn by_rank(ticks: &[Tick]) -> Vec<&Tick> {
+    let mut out: Vec<&Tick> = ticks.iter().collect();
+    out.sort_by_key(|t| t.rank);
+    out
+}

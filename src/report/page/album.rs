@@ -1,0 +1,104 @@
+//! Pictures of the report folder, embedded in the page.
+
+use super::super::files;
+use base64::Engine as _;
+use image::imageops::FilterType;
+use image::{DynamicImage, ImageFormat};
+use serde_json::{Map, Value};
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// Wider pictures are embedded at this width and linked to the full file.
+const WIDEST: u32 = 480;
+/// Characters of embedded pictures after which further ones are only linked.
+const BUDGET: usize = 24 << 20;
+
+/// A picture as the page can show it.
+pub enum Picture {
+    /// Part of the page.
+    Embedded {
+        /// `data:` address.
+        uri: String,
+        /// The full file, relative to the page.
+        link: String,
+        /// Width and height over which it is shown.
+        size: (u32, u32),
+    },
+    /// Beside the page, because the page is large enough.
+    Linked {
+        /// The full file, relative to the page.
+        link: String,
+    },
+    /// Not to be had, and why.
+    Missing(String),
+}
+
+/// Reads pictures and keeps count of how much they add to the page.
+pub struct Album {
+    folder: PathBuf,
+    left: usize,
+}
+
+impl Album {
+    /// Pictures of a report folder.
+    pub fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), left: BUDGET }
+    }
+
+    /// The picture a record names under `key`, embedded whatever it adds to the page.
+    pub fn show(&mut self, files: &Map<String, Value>, key: &str) -> Picture {
+        let name = match files.get(key) {
+            Some(Value::String(name)) => name,
+            _ => return Picture::Missing(format!("the record names no `{key}` picture")),
+        };
+        match self.read(name) {
+            Ok((uri, size)) => {
+                self.left = self.left.saturating_sub(uri.len());
+                Picture::Embedded { uri, link: files::link(name), size }
+            }
+            Err(reason) => Picture::Missing(reason),
+        }
+    }
+
+    /// [`Self::show`] while the page has room for it, else a link.
+    pub fn show_if_room(&mut self, files: &Map<String, Value>, key: &str) -> Picture {
+        let before = self.left;
+        let linked = match files.get(key) {
+            Some(Value::String(name)) if before == 0 && self.link(name).is_some() => Some(files::link(name)),
+            _ => None,
+        };
+        linked.map_or_else(|| self.show(files, key), |link| Picture::Linked { link })
+    }
+
+    /// The link to a file that exists inside the folder.
+    pub fn link(&self, name: &str) -> Option<String> {
+        files::inside(&self.folder, name).ok().filter(|p| p.is_file()).map(|_| files::link(name))
+    }
+
+    fn read(&self, name: &str) -> Result<(String, (u32, u32)), String> {
+        let path = files::inside(&self.folder, name)?;
+        let bytes = std::fs::read(&path).map_err(|e| unreadable(name, &e))?;
+        let picture = image::load_from_memory_with_format(&bytes, ImageFormat::Png)
+            .map_err(|e| format!("`{name}` is not a PNG that can be shown: {e}"))?;
+        let size = (picture.width(), picture.height());
+        if size.0 <= WIDEST {
+            return Ok((data_uri(&bytes), size));
+        }
+        let height = (f64::from(size.1) * f64::from(WIDEST) / f64::from(size.0)).round().max(1.0) as u32;
+        let small = DynamicImage::ImageRgb8(picture.to_rgb8()).resize_exact(WIDEST, height, FilterType::Triangle);
+        let mut png = Cursor::new(Vec::new());
+        small.write_to(&mut png, ImageFormat::Png).map_err(|e| format!("`{name}` cannot be scaled: {e}"))?;
+        Ok((data_uri(png.get_ref()), (WIDEST, height)))
+    }
+}
+
+fn unreadable(name: &str, problem: &std::io::Error) -> String {
+    match problem.kind() {
+        std::io::ErrorKind::NotFound => format!("`{name}` is not in the report folder"),
+        _ => format!("`{name}` cannot be read: {problem}"),
+    }
+}
+
+fn data_uri(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(png))
+}

@@ -1,0 +1,95 @@
+//! `index.html`: the whole report as one page that needs no network.
+
+mod album;
+mod choose;
+mod figures;
+mod parts;
+mod pictures;
+mod table;
+mod tail;
+
+use super::charts::Chart;
+use super::format::shorten;
+use super::view::{View, distinct, plain};
+use album::Album;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use std::path::Path;
+
+/// The page; pictures are read from `folder` and embedded.
+pub fn html(folder: &Path, view: &View<'_>, charts: &[Chart]) -> String {
+    let mut album = Album::new(folder);
+    let name = experiment_name(view);
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (shorten(&name, 80)) " · occlab" }
+                style { (PreEscaped(include_str!("style.css"))) }
+            }
+            body {
+                (headline(view, &name))
+                main {
+                    (tail::failures(view))
+                    (choose::section(view))
+                    (pictures::section(view, &mut album))
+                    (figures::section(view, charts))
+                    (table::section(view, &album))
+                    (tail::claims(view))
+                    (tail::references(view))
+                    (tail::environment(view))
+                    (tail::wall(view))
+                    (tail::definitions())
+                }
+                script { (PreEscaped(include_str!("script.js"))) }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// The experiment's own name, if it has one.
+fn experiment_name(view: &View<'_>) -> String {
+    match view.report.experiment.get("name") {
+        Some(name) if !plain(name).trim().is_empty() => plain(name),
+        _ => "Unnamed experiment".to_owned(),
+    }
+}
+
+fn headline(view: &View<'_>, name: &str) -> Markup {
+    let cells = &view.report.cells;
+    let environment = &view.report.environment;
+    let failed = cells.iter().filter(|c| c.result.is_none()).count();
+    let methods = distinct(cells.iter().map(|c| c.method.as_str()));
+    let scenes = distinct(cells.iter().map(|c| c.scene.as_str())).len();
+    let suns = distinct(cells.iter().map(|c| c.sun_elevation_deg)).len();
+    html! {
+        header {
+            p.kicker { "occlab · how clouds shadow themselves" }
+            h1 { (name) }
+            p.adapter {
+                "Measured on " strong { (environment.adapter) } " · " (environment.device_type) " · " (environment.backend)
+            }
+            p {
+                (parts::plural(cells.len(), "cell")) ": " (parts::plural(methods.len(), "method")) " on "
+                (parts::plural(scenes, "scene")) " under " (parts::plural(suns, "sun elevation")) ". "
+                @if failed > 0 { a.alarm href="#failed" { (parts::plural(failed, "cell")) " failed." } }
+                @else { "None failed." }
+            }
+            ul.methods { @for method in &methods { li { (parts::method(method)) } } }
+            @if environment.device_type.eq_ignore_ascii_case("cpu") {
+                p.note {
+                    "The times come from a software adapter. On a graphics processor the methods may rank differently; "
+                    "errors and bytes stay the same."
+                }
+            }
+            nav {
+                @for (anchor, text) in [
+                    ("which", "Which method?"), ("pictures", "Pictures"), ("charts", "Charts"), ("cells", "All cells"),
+                    ("references", "Truths"), ("environment", "Environment"), ("definitions", "Definitions"),
+                ] { a href={ "#" (anchor) } { (text) } }
+            }
+        }
+    }
+}

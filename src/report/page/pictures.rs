@@ -1,0 +1,170 @@
+//! Picture sheets: the truth beside the best setting of every method, and any cell beside the truth.
+
+use super::super::format::{bytes, ms, number, signed_percent};
+use super::super::view::{Case, Shot, View};
+use super::album::{Album, Picture};
+use super::parts;
+use maud::{Markup, html};
+
+/// The section, one sheet for each case.
+pub fn section(view: &View<'_>, album: &mut Album) -> Markup {
+    html! {
+        section #pictures {
+            h2 { "Pictures" }
+            p {
+                "The truth, then the setting of each method with the smallest error. Below each picture its signed "
+                "difference from the truth; one colour scale serves all differences of a scene. "
+                "Measured on " (view.adapter()) "."
+            }
+            @for case in &view.cases { (sheet(view, case, album)) }
+        }
+    }
+}
+
+fn sheet(view: &View<'_>, case: &Case<'_>, album: &mut Album) -> Markup {
+    let best: Vec<(&str, Option<Shot<'_>>)> = case.methods().into_iter().map(|m| (m, case.best(m))).collect();
+    html! {
+        article.case data-case=(case.number) {
+            h3 { (case.name) }
+            div.sheet {
+                (truth(case, album))
+                @for (method, shot) in &best {
+                    @match shot {
+                        Some(shot) => (card(view, case, shot, album)),
+                        None => figure { p.notice { (parts::method(method)) " has no picture: all its cells failed." } },
+                    }
+                }
+            }
+            (compare(view, case, &best, album))
+        }
+    }
+}
+
+fn truth(case: &Case<'_>, album: &mut Album) -> Markup {
+    let picture = match case.reference {
+        Some(reference) => album.show(&reference.files, "png"),
+        None => Picture::Missing("the report has no truth for this scene and sun".to_owned()),
+    };
+    html! {
+        figure.truth {
+            (image(&picture, &format!("truth of {}", case.name), "truth"))
+            figcaption {
+                p { (parts::method("truth")) }
+                dl.numbers {
+                    dt { "march" } dd { (ms(case.reference.and_then(|r| r.march_ms))) }
+                    @if case.reference.is_some_and(|r| r.cached) { dt { "source" } dd { "cache" } }
+                }
+                (color_bar(case))
+            }
+        }
+    }
+}
+
+/// What the colours of the differences mean; the scale is the record's `diff_scale` where it names one.
+fn color_bar(case: &Case<'_>) -> Markup {
+    let scale = case.shots().iter().find_map(|s| s.numbers.files.get("diff_scale").and_then(|v| v.as_f64()));
+    let end = |sign: &str, word: &str| match scale {
+        Some(s) => format!("{sign}{s}"),
+        None => word.to_owned(),
+    };
+    html! {
+        div.colorbar {
+            p { "difference from the truth" @if scale.is_some() { ", ΔL / mean L" } }
+            div.bar role="img" aria-label="blue: darker than the truth, white: equal, red: brighter" {}
+            div.ends { span { (end("−", "darker")) } span { "0" } span { (end("+", "brighter")) } }
+        }
+    }
+}
+
+fn card(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &mut Album) -> Markup {
+    let cell = shot.cell;
+    let files = &shot.numbers.files;
+    let name = format!("{} of {}", view.short(cell), case.name);
+    html! {
+        figure data-cell=(cell.index) {
+            (image(&album.show(files, "png"), &name, "picture"))
+            figcaption {
+                p { (parts::method(&cell.method)) " " (parts::setting(view, shot)) }
+                (numbers(shot))
+            }
+            (image(&album.show(files, "diff_png"), &format!("difference of {name}"), "diff"))
+        }
+    }
+}
+
+fn numbers(shot: &Shot<'_>) -> Markup {
+    let error = &shot.numbers.error;
+    html! {
+        dl.numbers {
+            dt { "rel_rmse" } dd { (number(error.rel_rmse)) }
+            dt { "leak" } dd { (signed_percent(error.leak)) }
+            dt { "darken" } dd { (signed_percent(error.darken)) }
+            dt { "time" } dd { (ms(shot.total_ms())) }
+            dt { "map" } dd { (bytes(shot.numbers.memory.map_bytes)) }
+        }
+    }
+}
+
+/// A picture, or a visible notice in its place.
+fn image(picture: &Picture, name: &str, class: &str) -> Markup {
+    match picture {
+        Picture::Embedded { uri, link, size } => html! {
+            a.frame href=(link) {
+                img class=(class) src=(uri) width=(size.0) height=(size.1) alt=(name) loading="lazy";
+            }
+        },
+        Picture::Linked { link } => html! {
+            a.frame href=(link) { img class=(class) src=(link) alt=(name) loading="lazy"; }
+        },
+        Picture::Missing(reason) => html! {
+            div.notice.missing role="img" aria-label=(name) { strong { "Picture missing. " } (reason) "." }
+        },
+    }
+}
+
+/// The chooser: works with the script, hidden without it. Cells that have a card on the sheet take its pictures.
+fn compare(view: &View<'_>, case: &Case<'_>, best: &[(&str, Option<Shot<'_>>)], album: &mut Album) -> Markup {
+    let on_sheet = |s: &Shot<'_>| best.iter().any(|(_, b)| b.as_ref().is_some_and(|b| b.cell.index == s.cell.index));
+    let shots = case.shots();
+    if shots.is_empty() {
+        return html! {};
+    }
+    html! {
+        div.compare hidden {
+            label {
+                "Compare with the truth: "
+                select {
+                    @for shot in &shots {
+                        option value=(shot.cell.index) {
+                            (view.short(shot.cell)) " · rel_rmse " (number(shot.numbers.error.rel_rmse))
+                        }
+                    }
+                }
+            }
+            div.stage {
+                figure { img.left alt="truth"; figcaption { "truth" } }
+                figure { img.right alt="chosen cell"; figcaption.chosen {} }
+                figure { img.delta alt="difference"; figcaption { (color_bar(case)) } }
+            }
+            @for shot in &shots {
+                @let files = &shot.numbers.files;
+                div.stored hidden data-cell=(shot.cell.index) data-title=(view.short(shot.cell)) {
+                    @if !on_sheet(shot) {
+                        (stored(&album.show_if_room(files, "png"), "picture"))
+                        (stored(&album.show_if_room(files, "diff_png"), "diff"))
+                    }
+                    (numbers(shot))
+                }
+            }
+        }
+    }
+}
+
+/// A picture kept for the chooser, which is not decoded before it is chosen.
+fn stored(picture: &Picture, class: &str) -> Markup {
+    match picture {
+        Picture::Embedded { uri, .. } => html! { span class=(class) data-src=(uri) {} },
+        Picture::Linked { link } => html! { span class=(class) data-src=(link) {} },
+        Picture::Missing(reason) => html! { span class=(class) data-missing=(reason) {} },
+    }
+}

@@ -1,0 +1,154 @@
+//! Every cell and every number, sortable.
+
+use super::super::format::{bytes, count, number, percent, signed_percent};
+use super::super::view::{Case, Shot, View};
+use super::album::Album;
+use super::parts::{self, cell, heading};
+use maud::{Markup, html};
+
+/// Columns with their units, in order.
+const COLUMNS: [(&str, &str); 35] = [
+    ("#", ""),
+    ("Scene", ""),
+    ("Sun", "°"),
+    ("Method", ""),
+    ("Setting", ""),
+    ("rel_rmse", "1"),
+    ("floor_rel_rmse", "1"),
+    ("Bias", "%"),
+    ("Leak", "%"),
+    ("Darken", "%"),
+    ("p99_abs", "mean L"),
+    ("max_abs", "mean L"),
+    ("T RMSE", "1"),
+    ("FLIP mean", "1"),
+    ("FLIP p99", "1"),
+    ("PSNR", "dB"),
+    ("SSIM", "1"),
+    ("Flicker", "mean L"),
+    ("Not finite", "channels"),
+    ("Total", "ms"),
+    ("min", "ms"),
+    ("p95", "ms"),
+    ("CV", "%"),
+    ("n", ""),
+    ("Map pass", "ms"),
+    ("March", "ms"),
+    ("Wall", "ms"),
+    ("Map", "bytes"),
+    ("Payload", "bytes"),
+    ("Allocator", "bytes"),
+    ("View samples", ""),
+    ("Light samples", ""),
+    ("Map samples", ""),
+    ("Fallback", "%"),
+    ("Picture", ""),
+];
+
+/// Columns without numbers.
+const TEXTS: [&str; 4] = ["Scene", "Method", "Setting", "Picture"];
+
+/// The section.
+pub fn section(view: &View<'_>, album: &Album) -> Markup {
+    let head = html! { @for (name, unit) in COLUMNS { (heading(name, unit, !TEXTS.contains(&name))) } };
+    let body = html! {
+        @for case in &view.cases {
+            @for shot in case.shots() { (row(view, case, &shot, album)) }
+        }
+    };
+    let caption = html! {
+        "Every cell that has numbers. A heading sorts by its column. The same table for programs: "
+        a href="./cells.csv" { "cells.csv" } ", " a href="./report.json" { "report.json" } "."
+    };
+    html! {
+        section #cells {
+            h2 { "All cells" }
+            (parts::table(view, caption, "sortable wide", head, body))
+            (fixed(view))
+        }
+    }
+}
+
+fn row(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &Album) -> Markup {
+    let picture = shot.numbers.files.get("png").and_then(|v| v.as_str()).and_then(|n| album.link(n));
+    html! {
+        tr {
+            td.n data-v=(shot.cell.index) { (shot.cell.index) }
+            td title=(case.name) { (case.name) }
+            td.n data-v=(shot.cell.sun_elevation_deg) { (shot.cell.sun_elevation_deg) }
+            th scope="row" { (parts::method(&shot.cell.method)) }
+            td { (parts::setting(view, shot)) }
+            (errors(shot))
+            (times(shot))
+            (costs(shot))
+            td { @match picture { Some(link) => a href=(link) { "png" }, None => span.na { "missing" } } }
+        }
+    }
+}
+
+fn errors(shot: &Shot<'_>) -> Markup {
+    let e = &shot.numbers.error;
+    html! {
+        (cell(Some(e.rel_rmse), number))
+        (cell(e.floor_rel_rmse, number))
+        (cell(Some(e.bias), signed_percent))
+        (cell(Some(e.leak), signed_percent))
+        (cell(Some(e.darken), signed_percent))
+        (cell(Some(e.p99_abs), number))
+        (cell(Some(e.max_abs), number))
+        (cell(Some(e.transmittance_rmse), number))
+        (cell(Some(e.flip_mean), number))
+        (cell(Some(e.flip_p99), number))
+        (cell(e.psnr_db, number))
+        (cell(Some(e.ssim), number))
+        (cell(e.flicker, number))
+        (cell(Some(e.nonfinite as f64), |_| e.nonfinite.to_string()))
+    }
+}
+
+fn times(shot: &Shot<'_>) -> Markup {
+    let t = &shot.numbers.time_ms;
+    html! {
+        (cell(t.total.map(|s| s.median), number))
+        (cell(t.total.map(|s| s.min), number))
+        (cell(t.total.map(|s| s.p95), number))
+        (cell(t.total.map(|s| s.cv), percent))
+        (cell(t.total.map(|s| s.n as f64), |n| n.to_string()))
+        (cell(t.generate.map(|s| s.median), number))
+        (cell(t.march.map(|s| s.median), number))
+        (cell(t.wall.map(|s| s.median), number))
+    }
+}
+
+fn costs(shot: &Shot<'_>) -> Markup {
+    let (m, s) = (&shot.numbers.memory, &shot.numbers.samples);
+    html! {
+        @for value in [Some(m.map_bytes), Some(m.payload_bytes), m.allocator_bytes] {
+            (cell(value.map(|v| v as f64), |_| bytes(value.unwrap_or_default())))
+        }
+        @for value in [s.view, s.light, s.map] { (cell(Some(value as f64), |_| count(value))) }
+        (cell(Some(shot.numbers.fallback_fraction), percent))
+    }
+}
+
+/// Parameters that all cells of a method share, which the column "Setting" leaves out.
+fn fixed(view: &View<'_>) -> Markup {
+    let methods = super::super::view::distinct(view.report.cells.iter().map(|c| c.method.as_str()));
+    let shared = |method: &str| {
+        let cell = view.report.cells.iter().find(|c| c.method == method);
+        let params = cell.into_iter().flat_map(|c| &c.params);
+        let same = params.filter(|(k, _)| !view.varying(method).contains(&k.as_str()));
+        same.map(|(k, v)| format!("{k}={}", super::super::view::plain(v))).collect::<Vec<_>>().join(" ")
+    };
+    let head = html! { th scope="col" { "Method" } th scope="col" { "The same in all its cells" } };
+    let body = html! {
+        @for method in methods {
+            @let text = shared(method);
+            tr {
+                td { (parts::method(method)) }
+                td.setting.long { @if text.is_empty() { "–" } @else { (text) } }
+            }
+        }
+    };
+    parts::table(view, "Parameters that this experiment does not vary.", "small", head, body)
+}

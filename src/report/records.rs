@@ -1,0 +1,81 @@
+//! The records as text: pretty JSON that reads back as the very records it was written from.
+
+use crate::batch::record::{Cell, Measured, Report};
+use crate::error::{Error, Result};
+use serde_json::Value;
+use std::path::Path;
+
+/// How often [`settle`] re-reads: the reader may round a number in its last digit, and once is nearly always enough.
+const READS: usize = 8;
+
+/// The report as its file will give it back: cells with numbers that JSON cannot hold become failed cells, and every
+/// number is the one that reading the file yields. So charts and page do not change when they are rebuilt from it.
+pub fn settle(report: &Report, folder: &Path) -> Result<Report> {
+    let path = folder.join("report.json");
+    let mut settled = report.clone();
+    settled.cells.iter_mut().for_each(fail_non_finite);
+    let mut before = text(&settled, &path)?;
+    for _ in 0..READS {
+        settled = serde_json::from_str(&before).map_err(|e| unreadable(&path, &e))?;
+        let after = text(&settled, &path)?;
+        if after == before {
+            break;
+        }
+        before = after;
+    }
+    Ok(settled)
+}
+
+/// Pretty JSON with a final newline.
+pub fn text(report: &Report, path: &Path) -> Result<String> {
+    let mut text = serde_json::to_string_pretty(report).map_err(|e| unreadable(path, &e))?;
+    text.push('\n');
+    Ok(text)
+}
+
+fn unreadable(path: &Path, problem: &serde_json::Error) -> Error {
+    Error::input(
+        path.display().to_string(),
+        format!("the records cannot be written as JSON: {problem}"),
+        "This is a defect of the program; please report it with the experiment.",
+    )
+}
+
+/// JSON writes NaN and infinity as `null`; where the record demands a number, the cell has failed.
+fn fail_non_finite(cell: &mut Cell) {
+    let Some(measured) = &cell.result else { return };
+    let Ok(value) = serde_json::to_value(measured) else { return };
+    if serde_json::from_value::<Measured>(value.clone()).is_ok() {
+        return;
+    }
+    let mut names = Vec::new();
+    nulls(&value, "", &mut names);
+    let count = measured.error.nonfinite;
+    cell.failed = Some(format!(
+        "numbers that are not finite: {} ({count} channels of the picture are NaN or infinite)",
+        names.join(", ")
+    ));
+    cell.result = None;
+}
+
+/// Fields a record may leave empty: their `null` is no failure.
+const OPTIONAL: [&str; 8] = [
+    "memory.allocator_bytes",
+    "time_ms.generate",
+    "time_ms.march",
+    "time_ms.total",
+    "time_ms.wall",
+    "error.floor_rel_rmse",
+    "error.flicker",
+    "error.psnr_db",
+];
+
+fn nulls(value: &Value, name: &str, out: &mut Vec<String>) {
+    let join = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
+    match value {
+        Value::Null if !OPTIONAL.contains(&name) => out.push(name.to_owned()),
+        Value::Object(map) => map.iter().for_each(|(k, v)| nulls(v, &join(k), out)),
+        Value::Array(items) => items.iter().enumerate().for_each(|(i, v)| nulls(v, &join(&i.to_string()), out)),
+        _ => {}
+    }
+}

@@ -1,0 +1,225 @@
+//! The records arranged for a reader: comparable cells together, settings in few words.
+
+use super::format::shorten;
+use crate::batch::record::{Cell, Measured, Reference, Report};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+/// A cell that has numbers.
+#[derive(Clone, Copy)]
+pub struct Shot<'a> {
+    /// The cell.
+    pub cell: &'a Cell,
+    /// Its numbers.
+    pub numbers: &'a Measured,
+}
+
+impl Shot<'_> {
+    /// Median total time, ms.
+    pub fn total_ms(&self) -> Option<f64> {
+        self.numbers.time_ms.total.map(|t| t.median).filter(|t| *t > 0.0)
+    }
+
+    /// Bytes of the map's textures.
+    pub fn map_bytes(&self) -> f64 {
+        self.numbers.memory.map_bytes as f64
+    }
+}
+
+/// Cells that may be compared with one another: one scene, sun, image size and backend, so one truth.
+pub struct Case<'a> {
+    /// Position in the report, from 1.
+    pub number: usize,
+    /// Scene and sun (and what else sets it apart from the other cases).
+    pub name: String,
+    /// [`Self::name`] with a long name of the scene cut, so that the sun stays in sight.
+    pub short_name: String,
+    /// Name for files and anchors: lower-case letters, digits and hyphens.
+    pub slug: String,
+    /// Its cells in matrix order, failed ones included.
+    pub cells: Vec<&'a Cell>,
+    /// The truth it is compared with.
+    pub reference: Option<&'a Reference>,
+}
+
+impl<'a> Case<'a> {
+    /// The cells that have numbers.
+    pub fn shots(&self) -> Vec<Shot<'a>> {
+        self.cells.iter().filter_map(|cell| Some(Shot { cell, numbers: cell.result.as_ref()? })).collect()
+    }
+
+    /// Its methods in matrix order.
+    pub fn methods(&self) -> Vec<&'a str> {
+        distinct(self.cells.iter().map(|c| c.method.as_str()))
+    }
+
+    /// The cell of `method` with the smallest error.
+    pub fn best(&self, method: &str) -> Option<Shot<'a>> {
+        self.shots()
+            .into_iter()
+            .filter(|s| s.cell.method == method)
+            .min_by(|a, b| a.numbers.error.rel_rmse.total_cmp(&b.numbers.error.rel_rmse))
+    }
+}
+
+/// A report with what charts and page ask of it.
+pub struct View<'a> {
+    /// The records.
+    pub report: &'a Report,
+    /// Comparable cells together, in matrix order.
+    pub cases: Vec<Case<'a>>,
+    /// For each method, the parameters that take more than one value.
+    varying: BTreeMap<&'a str, Vec<&'a str>>,
+}
+
+impl<'a> View<'a> {
+    /// Arranges a report.
+    pub fn new(report: &'a Report) -> Self {
+        let mut varying: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for method in distinct(report.cells.iter().map(|c| c.method.as_str())) {
+            let sets: Vec<_> = report.cells.iter().filter(|c| c.method == method).map(|c| &c.params).collect();
+            varying.insert(method, varying_keys(&sets));
+        }
+        Self { report, cases: cases(report), varying }
+    }
+
+    /// Adapter name and device type, for the caption of every table and chart.
+    pub fn adapter(&self) -> String {
+        let e = &self.report.environment;
+        format!("{} ({}, {})", e.adapter, e.device_type, e.backend)
+    }
+
+    /// Parameters of `method` that take more than one value in this report.
+    pub fn varying(&self, method: &str) -> &[&'a str] {
+        self.varying.get(method).map_or(&[], Vec::as_slice)
+    }
+
+    /// The setting in words that name each parameter: `steps=10 spacing=quadratic`; empty when nothing varies.
+    pub fn setting(&self, cell: &Cell) -> String {
+        let named = |k: &&str| cell.params.get(*k).map(|v| format!("{k}={}", plain(v)));
+        self.varying(&cell.method).iter().filter_map(named).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Method and setting as short as a chart needs it: `srm 10 steps quadratic`.
+    pub fn short(&self, cell: &Cell) -> String {
+        self.short_without(cell, &[])
+    }
+
+    /// [`Self::short`] without some of the parameters.
+    pub fn short_without(&self, cell: &Cell, left_out: &[&str]) -> String {
+        let mut words = vec![shorten(&cell.method, 24)];
+        for key in self.varying(&cell.method).iter().filter(|k| !left_out.contains(k)) {
+            words.extend(cell.params.get(*key).map(|v| short_value(key, v)));
+        }
+        words.join(" ")
+    }
+}
+
+fn short_value(key: &str, value: &Value) -> String {
+    match (key, value) {
+        ("steps", v) => format!("{} steps", plain(v)),
+        ("resolution", v) => format!("{}²", plain(v)),
+        (_, Value::String(text)) => shorten(text, 16),
+        (_, v) => shorten(&format!("{key}={}", plain(v)), 20),
+    }
+}
+
+/// A JSON value as plain text, strings without quotes.
+pub fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// The distinct items, in order of first appearance.
+pub fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
+    let mut out = Vec::new();
+    for item in items {
+        if !out.contains(&item) {
+            out.push(item);
+        }
+    }
+    out
+}
+
+/// Keys that do not have the same value in all of `sets`; `steps` and `resolution` come first.
+fn varying_keys<'a>(sets: &[&'a Map<String, Value>]) -> Vec<&'a str> {
+    let mut keys = distinct(sets.iter().flat_map(|s| s.keys().map(String::as_str)));
+    keys.retain(|k| sets.iter().any(|s| s.get(*k) != sets[0].get(*k)));
+    keys.sort_by_key(|k| match *k {
+        "steps" => 0,
+        "resolution" => 1,
+        _ => 2,
+    });
+    keys
+}
+
+fn cases(report: &Report) -> Vec<Case<'_>> {
+    let mut groups: Vec<Vec<&Cell>> = Vec::new();
+    for cell in &report.cells {
+        match groups.iter_mut().find(|g| comparable(g[0], cell)) {
+            Some(group) => group.push(cell),
+            None => groups.push(vec![cell]),
+        }
+    }
+    let firsts: Vec<&Cell> = groups.iter().map(|g| g[0]).collect();
+    groups
+        .into_iter()
+        .enumerate()
+        .map(|(i, cells)| Case {
+            number: i + 1,
+            name: case_name(cells[0], &cells[0].scene, &firsts),
+            short_name: case_name(cells[0], &shorten(&cells[0].scene, 64), &firsts),
+            slug: format!("{}-{}-sun{}", i + 1, slug(&cells[0].scene), slug(&cells[0].sun_elevation_deg.to_string())),
+            reference: reference(report, &cells),
+            cells,
+        })
+        .collect()
+}
+
+fn comparable(a: &Cell, b: &Cell) -> bool {
+    a.scene == b.scene
+        && a.sun_elevation_deg == b.sun_elevation_deg
+        && a.image == b.image
+        && a.backend == b.backend
+        && a.scene_set == b.scene_set
+}
+
+/// Scene and sun, then whatever else differs between the cases of the report.
+fn case_name(cell: &Cell, scene: &str, firsts: &[&Cell]) -> String {
+    let mut name = format!("{scene} · sun {}°", cell.sun_elevation_deg);
+    if firsts.iter().any(|c| c.image != cell.image) {
+        name += &format!(" · {}×{}", cell.image.width, cell.image.height);
+    }
+    if firsts.iter().any(|c| c.backend != cell.backend) {
+        name += &format!(" · {}", cell.backend);
+    }
+    for key in varying_keys(&firsts.iter().map(|c| &c.scene_set).collect::<Vec<_>>()) {
+        name += &cell.scene_set.get(key).map(|v| format!(" · {key}={}", plain(v))).unwrap_or_default();
+    }
+    name
+}
+
+/// The truth that the cells name; where all failed, the one of the same scene, sun and size.
+fn reference<'a>(report: &'a Report, cells: &[&Cell]) -> Option<&'a Reference> {
+    let id = cells.iter().find_map(|c| c.result.as_ref()).map(|r| r.reference.as_str());
+    let same = |r: &&Reference| {
+        let c = cells[0];
+        r.scene == c.scene && r.sun_elevation_deg == c.sun_elevation_deg && r.image == c.image
+    };
+    match id {
+        Some(id) => report.references.iter().find(|r| r.id == id),
+        None => report.references.iter().find(same),
+    }
+}
+
+/// Lower-case letters, digits and single hyphens, at most 40.
+fn slug(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars().take(40) {
+        if c.is_ascii_alphanumeric() {
+            out.push(c.to_ascii_lowercase());
+        } else if !out.is_empty() && !out.ends_with('-') {
+            out.push('-');
+        }
+    }
+    out.trim_end_matches('-').to_owned()
+}
