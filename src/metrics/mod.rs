@@ -1,1 +1,209 @@
-//! Pure functions on f32 images.
+//! Pure functions on f32 images: how far a picture is from its truth.
+//!
+//! Rules that hold for every number here:
+//! - Linear numbers use [`Frame::sun`] and the **cloud pixels**: those whose opacity *in the reference* exceeds
+//!   [`CLOUD_OPACITY`]. Perceptual numbers use the tone-mapped radiance of the whole picture. Sums are in f64.
+//! - **A NaN or infinite channel of the test counts as error**: linear numbers read it as 0 (black, opaque), the tone
+//!   map paints its pixel magenta, and `nonfinite` counts it. No result is ever NaN.
+//! - **A reference that cannot serve is refused**: one with a NaN or infinite channel, without a cloud pixel, or
+//!   without sunlight on them, since relative errors would have no scale.
+
+mod difference;
+mod linear;
+mod perceptual;
+mod ssim;
+mod stats;
+
+pub use difference::{delta_luminance, delta_rgb};
+pub use linear::mean_sun;
+pub use perceptual::PIXELS_PER_DEGREE;
+pub use stats::{flicker, summarise};
+
+use crate::batch::record::ErrorNumbers;
+use crate::error::{Error, Result};
+use crate::frame::{Exposure, Frame, is_nonfinite, tone_map};
+
+/// Opacity above which a pixel of the reference is a cloud pixel.
+pub const CLOUD_OPACITY: f32 = 0.01;
+
+/// What [`compare`] finds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// The numbers; `floor_rel_rmse` and `flicker` are `None`, one picture cannot tell them.
+    pub error: ErrorNumbers,
+    /// Cloud pixels / pixels, in `(0, 1]`.
+    pub cloud_pixel_fraction: f64,
+}
+
+/// Compares a picture with its truth, at one exposure taken from the truth.
+///
+/// With Δ = test − reference, L the reference and sums over the RGB channels of the cloud pixels:
+///
+/// | number | formula | range |
+/// |---|---|---|
+/// | `rel_rmse` | √ΣΔ² / √ΣL² | ≥ 0 |
+/// | `bias` | ΣΔ / ΣL = `leak` + `darken` | real |
+/// | `leak` | Σmax(Δ, 0) / ΣL | ≥ 0 |
+/// | `darken` | Σmin(Δ, 0) / ΣL | ≤ 0 |
+/// | `p99_abs`, `max_abs` | nearest-rank 99th percentile, maximum of \|Δ\| / mean L | ≥ 0 |
+/// | `transmittance_rmse` | √mean (V̂ − V)² | `[0, 1]` for V in `[0, 1]` |
+/// | `flip_mean`, `flip_p99` | ꟻLIP, LDR, 67 pixels a degree (Andersson et al. 2020) | `[0, 1]` |
+/// | `psnr_db` | −10 log₁₀ MSE of RGB in `[0, 1]`, dB | ≥ 0, `None` when equal |
+/// | `ssim` | structural similarity of the luma (Wang et al. 2004) | `[−1, 1]`, 1 when equal |
+/// | `nonfinite` | NaN or infinite channels of the test, of 8 a pixel | ≥ 0 |
+///
+/// All but `psnr_db` and `nonfinite` are dimensionless numbers of the order of a relative error.
+pub fn compare(reference: &Frame, test: &Frame) -> Result<Comparison> {
+    check_pair(reference, test)?;
+    let linear = linear::measure(reference, test)?;
+    let exposure = Exposure::from_reference(reference);
+    let size = (reference.width, reference.height);
+    let (truth, picture) = (tone_map(reference, exposure), tone_map(test, exposure));
+    let flip = perceptual::flip(size, &truth, &picture);
+    let error = ErrorNumbers {
+        flip_mean: flip.mean,
+        flip_p99: flip.p99,
+        psnr_db: perceptual::psnr_db(&truth, &picture),
+        ssim: ssim::ssim(size, &truth, &picture),
+        nonfinite: nonfinite(test),
+        ..linear.error
+    };
+    Ok(Comparison { error, cloud_pixel_fraction: linear.cloud_pixel_fraction })
+}
+
+/// NaN or infinite channels of a frame, in radiance (with opacity) and sun (with V).
+fn nonfinite(frame: &Frame) -> u64 {
+    let channels = frame.radiance.iter().chain(&frame.sun).flatten();
+    channels.filter(|v| is_nonfinite(**v)).count() as u64
+}
+
+/// Refuses pictures that cannot be compared: broken planes, different sizes, a broken truth.
+fn check_pair(reference: &Frame, test: &Frame) -> Result<()> {
+    reference.check("the reference")?;
+    test.check("the test picture")?;
+    if (reference.width, reference.height) != (test.width, test.height) {
+        let problem = format!(
+            "{}×{} pixels, the reference has {}×{}",
+            test.width, test.height, reference.width, reference.height
+        );
+        return Err(Error::input("the test picture", problem, "Compare pictures of the same size."));
+    }
+    match nonfinite(reference) {
+        0 => Ok(()),
+        n => Err(Error::input(
+            "the reference",
+            format!("{n} channels are NaN or infinite, so it is no truth"),
+            "Render the reference again or give another one.",
+        )),
+    }
+}
+
+/// Frames for the tests of this folder.
+#[cfg(test)]
+mod testing {
+    use crate::frame::Frame;
+
+    /// A smooth, textured cloud of opacity 1 over the left three quarters of the picture, sky (opacity 0) elsewhere.
+    pub fn cloud(width: u32, height: u32) -> Frame {
+        let pixel = |i: u32| {
+            let (x, y) = ((i % width) as f32, (i / width) as f32);
+            let v = 0.5 + 0.3 * (x * 0.37).sin() * (y * 0.23).cos();
+            if 4 * (i % width) < 3 * width { [v, 0.9 * v, 0.8 * v, 1.0] } else { [0.1, 0.2, 0.4, 0.0] }
+        };
+        let radiance: Vec<[f32; 4]> = (0..width * height).map(pixel).collect();
+        let sun = radiance.iter().map(|&[r, g, b, a]| [r * a, g * a, b * a, 0.5 * a]).collect();
+        Frame { width, height, radiance, sun }
+    }
+
+    /// A uniform cloud of sun-lit radiance `level` and V = `level`.
+    pub fn uniform(width: u32, height: u32, level: f32) -> Frame {
+        let pixels = (width * height) as usize;
+        Frame { width, height, radiance: vec![[level, level, level, 1.0]; pixels], sun: vec![[level; 4]; pixels] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::testing::{cloud, uniform};
+    use super::*;
+
+    #[test]
+    fn identical_pictures_have_no_error() {
+        let frame = cloud(48, 32);
+        let got = compare(&frame, &frame).unwrap();
+        assert_eq!(got.error, ErrorNumbers { ssim: 1.0, ..ErrorNumbers::default() });
+        assert_eq!(got.cloud_pixel_fraction, 0.75);
+    }
+
+    #[test]
+    fn constant_offset_is_seen_by_every_number() {
+        let got = compare(&uniform(32, 32, 0.5), &uniform(32, 32, 0.6)).unwrap().error;
+        for value in [got.rel_rmse, got.bias, got.leak, got.p99_abs, got.max_abs] {
+            assert!((value - 0.2).abs() < 1e-6, "{value}");
+        }
+        assert_eq!(got.darken, 0.0);
+        assert!((got.transmittance_rmse - 0.1).abs() < 1e-6);
+        assert!(got.flip_mean > 0.01 && (got.flip_p99 - got.flip_mean).abs() < 1e-3);
+        assert!(got.psnr_db.unwrap() < 40.0 && got.ssim < 1.0);
+        assert_eq!(got.nonfinite, 0);
+    }
+
+    #[test]
+    fn more_error_is_worse_in_every_number() {
+        let truth = cloud(48, 32);
+        let dimmed = |factor: f32| {
+            let mut frame = truth.clone();
+            for pixel in frame.radiance.iter_mut().chain(&mut frame.sun).skip(3).step_by(2) {
+                pixel.iter_mut().take(3).for_each(|v| *v *= factor);
+            }
+            compare(&truth, &frame).unwrap().error
+        };
+        let (small, large) = (dimmed(0.95), dimmed(0.6));
+        assert!(small.rel_rmse < large.rel_rmse && small.flip_mean < large.flip_mean);
+        assert!(small.psnr_db > large.psnr_db && small.ssim > large.ssim);
+        assert!(small.darken > large.darken && large.leak == 0.0);
+    }
+
+    #[test]
+    fn broken_pixels_count_as_errors_and_never_as_nan() {
+        let truth = cloud(48, 32);
+        let mut broken = truth.clone();
+        broken.sun[0] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
+        broken.radiance[0][0] = f32::NAN;
+        let got = compare(&truth, &broken).unwrap().error;
+        assert_eq!(got.nonfinite, 5);
+        assert!(got.rel_rmse > 0.0 && got.darken < 0.0 && got.transmittance_rmse > 0.0 && got.flip_mean > 0.0);
+        let numbers = [got.rel_rmse, got.bias, got.leak, got.p99_abs, got.max_abs, got.flip_p99, got.ssim];
+        assert!(numbers.iter().all(|v| v.is_finite()));
+        let mut all = truth.clone();
+        all.sun.fill([f32::NAN; 4]);
+        let all = compare(&truth, &all).unwrap().error;
+        assert!((all.rel_rmse - 1.0).abs() < 1e-12 && (all.bias + 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn unusable_pairs_are_errors() {
+        let truth = cloud(16, 8);
+        let refused = |reference: &Frame, test: &Frame| match compare(reference, test) {
+            Err(e @ Error::Input { .. }) => e.to_string(),
+            other => panic!("{other:?}"),
+        };
+        assert!(refused(&truth, &cloud(8, 16)).contains("8×16 pixels, the reference has 16×8"));
+        let mut short = truth.clone();
+        short.sun.pop();
+        assert!(refused(&truth, &short).contains("the test picture"));
+        let mut broken = truth.clone();
+        broken.radiance[3][1] = f32::NAN;
+        assert!(refused(&broken, &truth).contains("1 channels are NaN"));
+        let mut clear = truth.clone();
+        clear.radiance.iter_mut().for_each(|p| p[3] = 0.01);
+        assert!(refused(&clear, &truth).contains("no pixel"));
+        assert!(refused(&uniform(4, 4, 0.0), &uniform(4, 4, 0.1)).contains("no sunlight"));
+    }
+
+    #[test]
+    fn one_pixel_can_be_compared() {
+        let got = compare(&uniform(1, 1, 0.5), &uniform(1, 1, 0.25)).unwrap().error;
+        assert!((got.bias + 0.5).abs() < 1e-9 && got.ssim < 1.0 && got.flip_mean > 0.0);
+    }
+}

@@ -1,0 +1,72 @@
+//! Signed differences pixel by pixel, for false-colour pictures and for flicker.
+
+use super::linear::readable;
+use super::{CLOUD_OPACITY, check_pair};
+use crate::error::Result;
+use crate::frame::{Frame, is_nonfinite, luminance};
+
+/// ΔL of each channel of the sun-lit radiance, three values a pixel, unit of radiance: the input of [`super::flicker`].
+///
+/// NaN outside the reference's cloud pixels ("no value"); a NaN or infinite channel of the test is read as 0, as in
+/// [`super::compare`].
+pub fn delta_rgb(reference: &Frame, test: &Frame) -> Result<Vec<f32>> {
+    check_pair(reference, test)?;
+    let pixels = reference.radiance.iter().zip(&reference.sun).zip(&test.sun);
+    let delta = |((view, truth), value): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
+        [0, 1, 2].map(|c| {
+            let cloud = view[3] > CLOUD_OPACITY;
+            if cloud { (readable(value[c]) - f64::from(truth[c])) as f32 } else { f32::NAN }
+        })
+    };
+    Ok(pixels.flat_map(delta).collect())
+}
+
+/// Luminance of ΔL, one value a pixel, unit of radiance: the input of [`crate::frame::false_colour`].
+///
+/// 0 outside the reference's cloud pixels; NaN (painted magenta) where the test's sun-lit radiance is not finite.
+/// Luminance weights: ITU-R BT.709-6, 2015.
+pub fn delta_luminance(reference: &Frame, test: &Frame) -> Result<Vec<f32>> {
+    check_pair(reference, test)?;
+    let pixels = reference.radiance.iter().zip(&reference.sun).zip(&test.sun);
+    let delta = |((view, truth), value): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
+        if value[..3].iter().any(|v| is_nonfinite(*v)) {
+            f32::NAN
+        } else if view[3] > CLOUD_OPACITY {
+            (luminance(*value) - luminance(*truth)) as f32
+        } else {
+            0.0
+        }
+    };
+    Ok(pixels.map(delta).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{cloud, uniform};
+    use super::*;
+
+    #[test]
+    fn constant_offset_comes_back() {
+        let (truth, test) = (uniform(4, 2, 0.5), uniform(4, 2, 0.25));
+        assert_eq!(delta_rgb(&truth, &test).unwrap(), vec![-0.25; 24]);
+        assert!(delta_luminance(&truth, &test).unwrap().iter().all(|d| (d + 0.25).abs() < 1e-6));
+    }
+
+    #[test]
+    fn sky_and_broken_pixels_are_told_apart() {
+        let truth = cloud(4, 1);
+        let mut test = truth.clone();
+        test.sun[0][1] = f32::NAN;
+        let (rgb, lum) = (delta_rgb(&truth, &test).unwrap(), delta_luminance(&truth, &test).unwrap());
+        assert_eq!(rgb[..3], [0.0, -truth.sun[0][1], 0.0]);
+        assert!(rgb[9..].iter().all(|d| d.is_nan()));
+        assert!(lum[0].is_nan());
+        assert_eq!(lum[1..], [0.0; 3]);
+    }
+
+    #[test]
+    fn sizes_must_agree() {
+        assert!(delta_rgb(&cloud(4, 2), &cloud(2, 4)).is_err());
+        assert!(delta_luminance(&cloud(4, 2), &cloud(2, 4)).is_err());
+    }
+}

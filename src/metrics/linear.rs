@@ -1,0 +1,152 @@
+//! Errors of the sun-lit radiance, in linear light, over cloud pixels.
+
+use super::CLOUD_OPACITY;
+use crate::batch::record::ErrorNumbers;
+use crate::error::{Error, Result};
+use crate::frame::{Frame, is_nonfinite, nearest_rank};
+
+/// The linear half of a comparison; the perceptual fields of `error` are left at 0.
+pub(super) struct Linear {
+    /// The numbers.
+    pub error: ErrorNumbers,
+    /// Cloud pixels / pixels.
+    pub cloud_pixel_fraction: f64,
+}
+
+/// Sums over the cloud pixels, in f64.
+#[derive(Default)]
+struct Sums {
+    /// Σmax(Δ, 0).
+    over: f64,
+    /// Σmin(Δ, 0).
+    under: f64,
+    /// ΣΔ².
+    squared: f64,
+    /// ΣL².
+    reference_squared: f64,
+    /// Σ(V̂ − V)².
+    transmittance: f64,
+    /// Cloud pixels.
+    pixels: usize,
+}
+
+/// Measures the sun-lit radiance and V of `test`; both frames have the same size and the reference is finite.
+pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear> {
+    let mean = mean_sun(reference)?;
+    let mut sums = Sums::default();
+    let mut absolute = Vec::new();
+    for (truth, value) in cloud_pairs(reference, test) {
+        sums.pixels += 1;
+        for channel in 0..3 {
+            let (l, delta) = (f64::from(truth[channel]), value[channel] - f64::from(truth[channel]));
+            sums.over += delta.max(0.0);
+            sums.under += delta.min(0.0);
+            sums.squared += delta * delta;
+            sums.reference_squared += l * l;
+            absolute.push(delta.abs());
+        }
+        sums.transmittance += (value[3] - f64::from(truth[3])).powi(2);
+    }
+    let total = mean * absolute.len() as f64;
+    let error = ErrorNumbers {
+        rel_rmse: (sums.squared / sums.reference_squared).sqrt(),
+        bias: (sums.over + sums.under) / total,
+        leak: sums.over / total,
+        darken: sums.under / total,
+        max_abs: absolute.iter().fold(0.0, |a: f64, b| a.max(*b)) / mean,
+        p99_abs: nearest_rank(&mut absolute, 0.99).unwrap_or(0.0) / mean,
+        transmittance_rmse: (sums.transmittance / sums.pixels as f64).sqrt(),
+        ..ErrorNumbers::default()
+    };
+    Ok(Linear { error, cloud_pixel_fraction: sums.pixels as f64 / reference.sun.len() as f64 })
+}
+
+/// Mean L: the reference's sun-lit radiance averaged over the RGB channels of its cloud pixels, > 0, unit of radiance.
+///
+/// It is the scale of `p99_abs`, `max_abs`, [`super::flicker`] and of a false-colour picture. A reference without cloud
+/// pixels or without sunlight on them is an [`Error::Input`].
+pub fn mean_sun(reference: &Frame) -> Result<f64> {
+    let (mut sum, mut channels) = (0.0, 0_usize);
+    for (opacity, sun) in reference.radiance.iter().map(|p| p[3]).zip(&reference.sun) {
+        if opacity > CLOUD_OPACITY {
+            sum += sun[..3].iter().map(|v| f64::from(*v)).sum::<f64>();
+            channels += 3;
+        }
+    }
+    let mean = sum / channels as f64;
+    let refuse = |problem: &str| Err(Error::input("the reference", problem, "Point the camera at a sun-lit cloud."));
+    if channels == 0 {
+        refuse("no pixel has an opacity above 0.01, so there is nothing to measure")
+    } else if mean.is_finite() && mean > 0.0 {
+        Ok(mean)
+    } else {
+        refuse("no sunlight on its cloud pixels, so relative errors have no scale")
+    }
+}
+
+/// Reference and test values (RGB sun, V) of each cloud pixel; the test's non-finite channels are read as 0.
+fn cloud_pairs<'a>(reference: &'a Frame, test: &'a Frame) -> impl Iterator<Item = ([f32; 4], [f64; 4])> + 'a {
+    let cloud = reference.radiance.iter().map(|p| p[3] > CLOUD_OPACITY);
+    let pairs = reference.sun.iter().zip(&test.sun).zip(cloud);
+    pairs.filter(|(_, cloud)| *cloud).map(|((truth, value), _)| (*truth, value.map(readable)))
+}
+
+/// A channel of the test as it enters the sums: NaN and infinity are no light.
+pub(super) fn readable(value: f32) -> f64 {
+    if is_nonfinite(value) { 0.0 } else { f64::from(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{cloud, uniform};
+    use super::*;
+
+    #[test]
+    fn leak_and_darken_do_not_cancel() {
+        let truth = uniform(10, 10, 0.5);
+        let mut test = truth.clone();
+        for (i, pixel) in test.sun.iter_mut().enumerate() {
+            let delta = if i % 2 == 0 { 0.25 } else { -0.25 };
+            pixel[..3].iter_mut().for_each(|v| *v += delta);
+        }
+        let got = measure(&truth, &test).unwrap().error;
+        assert_eq!((got.bias, got.leak, got.darken), (0.0, 0.25, -0.25));
+        assert_eq!((got.rel_rmse, got.max_abs), (0.5, 0.5));
+        assert_eq!(got.transmittance_rmse, 0.0);
+    }
+
+    #[test]
+    fn percentile_ignores_one_pixel_in_a_hundred_and_the_maximum_does_not() {
+        let truth = uniform(10, 10, 0.5);
+        let mut test = truth.clone();
+        test.sun[42] = [2.5, 2.5, 2.5, 0.5];
+        let got = measure(&truth, &test).unwrap().error;
+        assert_eq!((got.p99_abs, got.max_abs), (0.0, 4.0));
+        test.sun[43][0] = 1.0;
+        assert_eq!(measure(&truth, &test).unwrap().error.p99_abs, 1.0);
+    }
+
+    #[test]
+    fn pixels_outside_the_reference_cloud_are_ignored() {
+        let truth = cloud(16, 8);
+        let mut test = truth.clone();
+        for (pixel, sky) in test.sun.iter_mut().zip(truth.radiance.iter().map(|p| p[3] == 0.0)) {
+            if sky {
+                *pixel = [9.0; 4];
+            }
+        }
+        test.radiance.iter_mut().for_each(|p| p[3] = 1.0);
+        let got = measure(&truth, &test).unwrap();
+        assert_eq!((got.error.rel_rmse, got.error.transmittance_rmse), (0.0, 0.0));
+        assert_eq!(got.cloud_pixel_fraction, 0.75);
+    }
+
+    #[test]
+    fn mean_is_over_channels_of_cloud_pixels() {
+        let mut frame = uniform(2, 1, 0.0);
+        frame.sun[0] = [1.0, 2.0, 3.0, 9.0];
+        assert_eq!(mean_sun(&frame).unwrap(), 1.0);
+        frame.radiance[1][3] = 0.0;
+        assert_eq!(mean_sun(&frame).unwrap(), 2.0);
+    }
+}
