@@ -68,7 +68,10 @@ impl Kernel {
     /// Composes and compiles `program`; its only entry point becomes the kernel.
     pub fn new(gpu: &Gpu, program: &Program) -> Result<Self> {
         let start = Instant::now();
-        let module = compose(program)?;
+        let mut module = compose(program)?;
+        if gpu.info.driver == "llvmpipe" {
+            uniforms_as_storage(&mut module);
+        }
         let bindings = reflect(&module, program.entry)?;
         let entry = module.entry_points.first().ok_or_else(|| defect(program.entry, "has no entry point"))?;
         let (workgroup, entry_name) = (entry.workgroup_size, entry.name.clone());
@@ -127,7 +130,7 @@ impl Kernel {
         let values = inputs.iter().find_map(|i| i.uniforms.get(name));
         let values = values.ok_or_else(|| defect(&self.label, format!("nothing is bound to `{name}`")))?;
         let bytes = pack(name, &binding.leaves, binding.size, values)?;
-        Ok(Resource::Buffer(gpu.buffer(name, &bytes, wgpu::BufferUsages::UNIFORM)))
+        Ok(Resource::Buffer(gpu.buffer(name, &bytes, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE)))
     }
 
     /// Records a dispatch that covers `threads`.
@@ -172,6 +175,19 @@ fn plain_name(name: &str) -> String {
     name.split("X_naga_oil_mod_X").next().unwrap_or(name).to_owned()
 }
 
+/// Mesa's lavapipe (seen in 22.3) inlines uniform loads into shaders and overruns a fixed array while it does so, which
+/// corrupts its stack and heap; it also recompiles whenever a value changes. It leaves storage buffers alone, so there
+/// uniforms become read-only storage buffers of the same layout. Other drivers see what the files say.
+fn uniforms_as_storage(module: &mut Module) {
+    let handles: Vec<_> = module.global_variables.iter().map(|(handle, _)| handle).collect();
+    for handle in handles {
+        let variable = module.global_variables.get_mut(handle);
+        if variable.space == AddressSpace::Uniform {
+            variable.space = AddressSpace::Storage { access: StorageAccess::LOAD };
+        }
+    }
+}
+
 fn reflect(module: &Module, file: &str) -> Result<Vec<Binding>> {
     let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
     let info = validator.validate(module).map_err(|e| defect(file, format!("{e:?}")))?;
@@ -183,7 +199,7 @@ fn reflect(module: &Module, file: &str) -> Result<Vec<Binding>> {
         let ty = binding_type(module, variable, filtered.contains(&handle))
             .ok_or_else(|| defect(file, format!("`{name}` has a kind of binding that the lab does not use")))?;
         let size = match variable.space {
-            AddressSpace::Uniform => module.types[variable.ty].inner.size(module.to_ctx()),
+            AddressSpace::Uniform | AddressSpace::Storage { .. } => module.types[variable.ty].inner.size(module.to_ctx()),
             _ => 0,
         };
         let entry = wgpu::BindGroupLayoutEntry { binding: at.binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None };

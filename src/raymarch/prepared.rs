@@ -96,7 +96,7 @@ impl Prepared {
         let image = [view.image.width, view.image.height];
         let march_counts = counting.then(|| counts_buffer(gpu, image));
         offer_counts(&mut inputs, march_counts.as_ref());
-        let tile = gpu.buffer("tile", &[0; 16], wgpu::BufferUsages::UNIFORM);
+        let tile = gpu.buffer("tile", &[0; 16], wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE);
         inputs.resource("tile", Resource::Buffer(tile.clone()));
         let groups = march.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
         Ok(Self { memory, map, march, groups, tile, timer: Timer::new(gpu), image, tile_rows: Cell::new(FIRST_TILE_ROWS), march_counts })
