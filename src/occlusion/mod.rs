@@ -15,6 +15,7 @@ pub mod param;
 
 mod bsm;
 mod esm;
+mod floor;
 mod fom;
 mod none;
 mod srm;
@@ -25,7 +26,7 @@ use crate::gpu::Defs;
 use param::{ParamKind, ParamSpec, ParamValue, Params};
 
 /// Every strategy, in the order of menus and charts.
-pub const REGISTRY: &[&dyn LightOcclusion] = &[&srm::Srm, &esm::Esm, &bsm::Bsm, &fom::Fom, &none::None, &truth::Truth];
+pub const REGISTRY: &[&dyn LightOcclusion] = &[&srm::Srm, &esm::Esm, &bsm::Bsm, &fom::Fom, &floor::Floor, &none::None, &truth::Truth];
 
 /// What a method is.
 #[derive(Clone, Copy, Debug)]
