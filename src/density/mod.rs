@@ -39,7 +39,7 @@ impl DensityField {
     pub fn new(gpu: &Gpu, scene: &Scene, container_shader: &'static str, scene_inputs: &Inputs) -> Result<Self> {
         match &scene.density {
             Density::Uniform { value } => Ok(uniform(*value)),
-            Density::Procedural(p) => procedural::build(gpu, scene, p, container_shader, scene_inputs),
+            Density::Procedural(p) => procedural::build(gpu, p, container_shader, scene_inputs),
             Density::Volume(v) => imported::build(gpu, scene, v),
         }
     }

@@ -4,7 +4,7 @@ use super::occupancy::Occupancy;
 use super::{Built, DensityField};
 use crate::error::{Error, Result};
 use crate::gpu::{Defs, Gpu, Inputs, Kernel, Program, Resource, UniformValue, read_buffer, read_texture};
-use crate::scene::{Deck, Procedural, Scene};
+use crate::scene::{Deck, Procedural};
 use std::time::Instant;
 
 /// Edge of the shape texture, texels (Schneider & Vos 2015).
@@ -25,16 +25,15 @@ const FILTER_SLACK: f32 = 2.0 / 255.0;
 
 pub(super) fn build(
     gpu: &Gpu,
-    scene: &Scene,
     field: &Procedural,
     container_shader: &'static str,
     scene_inputs: &Inputs,
 ) -> Result<DensityField> {
-    let start = Instant::now();
+    let (start, compiled_s) = (Instant::now(), gpu.compile_s());
     let noise = Noise::generate(gpu, field)?;
-    let noise_ms = start.elapsed().as_secs_f64() * 1e3 - noise.compile_s * 1e3;
+    let noise_ms = (start.elapsed().as_secs_f64() - (gpu.compile_s() - compiled_s)) * 1e3;
     let mut inputs = noise.inputs(gpu);
-    let calibrator = Calibrator::new(gpu, scene, field, container_shader)?;
+    let calibrator = Calibrator::new(gpu, field, container_shader)?;
     let mut thresholds = Vec::new();
     let mut measured_coverage = Vec::new();
     for (i, deck) in field.decks.iter().enumerate() {
@@ -97,25 +96,22 @@ struct Noise {
     views: Vec<(&'static str, wgpu::TextureView)>,
     shape: Vec<u8>,
     weather: Vec<u8>,
-    compile_s: f64,
 }
 
 impl Noise {
     fn generate(gpu: &Gpu, field: &Procedural) -> Result<Self> {
         let cube = |n: u32| wgpu::Extent3d { width: n, height: n, depth_or_array_layers: n };
         let flat = wgpu::Extent3d { width: WEATHER_TEXELS, height: WEATHER_TEXELS, depth_or_array_layers: 1 };
-        let (shape, shape_s) = noise_texture(gpu, "noise/shape.wgsl", cube(SHAPE_TEXELS), wgpu::TextureDimension::D3, field.seed)?;
-        let (weather, weather_s) = noise_texture(gpu, "noise/weather.wgsl", flat, wgpu::TextureDimension::D2, field.seed)?;
+        let shape = noise_texture(gpu, "noise/shape.wgsl", cube(SHAPE_TEXELS), wgpu::TextureDimension::D3, field.seed)?;
+        let weather = noise_texture(gpu, "noise/weather.wgsl", flat, wgpu::TextureDimension::D2, field.seed)?;
         let view = |t: &wgpu::Texture| t.create_view(&Default::default());
         let mut views = vec![("shape", view(&shape)), ("weather", view(&weather))];
-        let mut compile_s = shape_s + weather_s;
         if field.detail.is_some() {
-            let (detail, detail_s) =
+            let detail =
                 noise_texture(gpu, "noise/detail.wgsl", cube(DETAIL_TEXELS), wgpu::TextureDimension::D3, field.seed)?;
             views.push(("detail", view(&detail)));
-            compile_s += detail_s;
         }
-        Ok(Self { views, shape: read_texture(gpu, &shape)?, weather: read_texture(gpu, &weather)?, compile_s })
+        Ok(Self { views, shape: read_texture(gpu, &shape)?, weather: read_texture(gpu, &weather)? })
     }
 
     fn inputs(&self, gpu: &Gpu) -> Inputs {
@@ -137,14 +133,14 @@ impl Noise {
     }
 }
 
-/// Runs one noise pass; also the seconds spent compiling it.
+/// Runs one noise pass.
 fn noise_texture(
     gpu: &Gpu,
     entry: &'static str,
     size: wgpu::Extent3d,
     dimension: wgpu::TextureDimension,
     seed: u32,
-) -> Result<(wgpu::Texture, f64)> {
+) -> Result<wgpu::Texture> {
     let kernel = Kernel::new(gpu, &Program { entry, roles: vec![], defs: Defs::new() })?;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -168,7 +164,7 @@ fn noise_texture(
     }
     gpu.queue.submit([encoder.finish()]);
     gpu.wait()?;
-    Ok((texture, kernel.compile_s))
+    Ok(texture)
 }
 
 /// Finds the weather threshold at which a deck covers the wanted share of columns.
@@ -178,8 +174,7 @@ struct Calibrator {
 }
 
 impl Calibrator {
-    fn new(gpu: &Gpu, scene: &Scene, field: &Procedural, container_shader: &'static str) -> Result<Self> {
-        let _ = scene;
+    fn new(gpu: &Gpu, field: &Procedural, container_shader: &'static str) -> Result<Self> {
         let program = Program {
             entry: "noise/columns.wgsl",
             roles: vec![("container", container_shader), ("density", "density/procedural.wgsl")],

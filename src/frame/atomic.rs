@@ -9,7 +9,7 @@ use std::path::Path;
 ///
 /// A reader sees the old content or the new, never a half; when `fill` fails nothing is left behind. The data is
 /// on the disk before the name is, so that a resumed batch may trust a file that exists.
-pub(super) fn write_atomic(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>) -> Result<()> {
+pub(crate) fn write_atomic(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>) -> Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".occlab-").suffix(".part");

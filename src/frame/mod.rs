@@ -1,6 +1,6 @@
 //! A rendered picture in linear radiance, and its files.
 
-mod atomic;
+pub(crate) mod atomic;
 mod exr_file;
 mod png_file;
 mod tonemap;

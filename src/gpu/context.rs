@@ -16,6 +16,7 @@ pub struct Gpu {
     /// What the driver says of itself.
     pub info: wgpu::AdapterInfo,
     failure: Arc<Mutex<Option<String>>>,
+    compile_us: std::sync::atomic::AtomicU64,
 }
 
 /// A line of `occlab adapters`.
@@ -109,7 +110,7 @@ impl Gpu {
                 note(&on_lost, format!("device lost: {message}"));
             }
         });
-        Ok(Self { info: adapter.get_info(), device, queue, failure })
+        Ok(Self { info: adapter.get_info(), device, queue, failure, compile_us: std::sync::atomic::AtomicU64::new(0) })
     }
 
     /// The first error the driver reported since the last call, if any.
@@ -119,6 +120,15 @@ impl Gpu {
             None => Ok(()),
             Some(problem) => Err(Error::gpu(problem, "Use smaller maps or images, or another adapter.")),
         }
+    }
+
+    /// Seconds spent composing and compiling shaders since the start.
+    pub fn compile_s(&self) -> f64 {
+        self.compile_us.load(std::sync::atomic::Ordering::Relaxed) as f64 * 1e-6
+    }
+
+    pub(super) fn add_compile_time(&self, time: std::time::Duration) {
+        self.compile_us.fetch_add(time.as_micros() as u64, std::sync::atomic::Ordering::Relaxed);
     }
 
     /// Blocks until the queue is empty.

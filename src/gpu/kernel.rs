@@ -59,8 +59,6 @@ pub struct Kernel {
     bindings: Vec<Binding>,
     /// Threads of a workgroup.
     pub workgroup: [u32; 3],
-    /// Composition and compilation, seconds.
-    pub compile_s: f64,
     label: String,
 }
 
@@ -95,7 +93,8 @@ impl Kernel {
             cache: None,
         });
         gpu.check()?;
-        Ok(Self { pipeline, layouts, bindings, workgroup, compile_s: start.elapsed().as_secs_f64(), label: program.entry.to_owned() })
+        gpu.add_compile_time(start.elapsed());
+        Ok(Self { pipeline, layouts, bindings, workgroup, label: program.entry.to_owned() })
     }
 
     /// Does the kernel declare a variable of this name?

@@ -10,6 +10,6 @@ mod uniform;
 pub use context::{AdapterSummary, Gpu, list_adapters};
 pub use kernel::{Inputs, Kernel, Resource};
 pub use readback::{read_buffer, read_texture};
-pub use shader::{Defs, Program, compose, embedded};
+pub use shader::{Defs, Program, compose, embedded, sources_hash};
 pub use timing::Timer;
 pub use uniform::{Leaf, Scalar, UniformValue, pack, struct_leaves};

@@ -63,6 +63,16 @@ pub fn embedded(path: &str) -> Result<&'static str> {
         .ok_or_else(|| Error::Shader { file: path.to_owned(), message: "no such shader file is compiled in".into() })
 }
 
+/// Hash of every shader file: what makes a cached picture stale when a formula changes.
+pub fn sources_hash() -> blake3::Hash {
+    let mut hasher = blake3::Hasher::new();
+    let methods = crate::occlusion::REGISTRY.iter().map(|m| (m.info().shader, m.info().source));
+    for (path, text) in FILES.iter().copied().chain(methods) {
+        hasher.update(path.as_bytes()).update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());
+    }
+    hasher.finalize()
+}
+
 /// Resolves imports and definitions, validates, and drops what the entry point does not use.
 pub fn compose(program: &Program) -> Result<naga::Module> {
     let mut loader = Loader { composer: Composer::default().with_capabilities(naga::valid::Capabilities::default()), program };

@@ -3,19 +3,20 @@
 mod inputs;
 mod light_map;
 mod prepared;
-//pub mod reference;
+pub mod reference;
 mod view;
 
 pub use prepared::{Counts, PassTimes, Prepared};
 pub use view::View;
 
 use crate::batch::record::ImageSize;
+use crate::density::DensityField;
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::gpu::{Defs, Gpu, Kernel, Program};
 use crate::occlusion::MethodSetup;
 use crate::scene::Scene;
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::rc::Rc;
@@ -33,7 +34,8 @@ pub struct Renderer {
     /// The device.
     pub gpu: Gpu,
     kernels: RefCell<HashMap<KernelKey, Rc<Kernel>>>,
-    compile_s: Cell<f64>,
+    /// The last density field: consecutive views often differ in sun or image size alone.
+    density: RefCell<Option<(String, Rc<DensityField>)>>,
 }
 
 /// Entry file, roles and definitions: all that a kernel depends on.
@@ -42,12 +44,7 @@ type KernelKey = (String, Vec<(String, String)>, Defs);
 impl Renderer {
     /// A renderer on `gpu`.
     pub fn new(gpu: Gpu) -> Self {
-        Self { gpu, kernels: RefCell::default(), compile_s: Cell::new(0.0) }
-    }
-
-    /// Seconds spent composing and compiling since the start.
-    pub fn compile_s(&self) -> f64 {
-        self.compile_s.get()
+        Self { gpu, kernels: RefCell::default(), density: RefCell::default() }
     }
 
     /// The compiled kernel of a program, from the cache when it was compiled before.
@@ -58,14 +55,23 @@ impl Renderer {
             return Ok(kernel.clone());
         }
         let kernel = Rc::new(Kernel::new(&self.gpu, program)?);
-        self.compile_s.set(self.compile_s.get() + kernel.compile_s);
         self.kernels.borrow_mut().insert(key, kernel.clone());
         Ok(kernel)
     }
 
     /// Uploads a scene for pictures of one size.
     pub fn view(&self, scene: &Scene, image: ImageSize) -> Result<View> {
-        View::new(&self.gpu, scene, image)
+        let inputs = inputs::scene_inputs(scene, image, true);
+        let container_shader = view::container_shader(scene);
+        // What a field is built from, as JSON: the calibration reads container and extinction too.
+        let key = serde_json::json!([scene.density, scene.container, scene.medium.extinction_per_m]).to_string();
+        let kept = self.density.borrow().as_ref().filter(|(k, _)| *k == key).map(|(_, field)| field.clone());
+        let density = match kept {
+            Some(field) => field,
+            None => Rc::new(DensityField::new(&self.gpu, scene, container_shader, &inputs)?),
+        };
+        *self.density.borrow_mut() = Some((key, density.clone()));
+        View::new(&self.gpu, scene, image, density, inputs)
     }
 
     /// Compiles and allocates what a method needs in a view.

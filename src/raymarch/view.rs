@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gpu::{Defs, Gpu, Inputs, Resource, read_buffer};
 use crate::scene::{Container, Integration, Scene};
+use std::rc::Rc;
 
 /// See the module.
 pub struct View {
@@ -15,10 +16,9 @@ pub struct View {
     /// Picture size.
     pub image: ImageSize,
     /// Its density field.
-    pub density: DensityField,
+    pub density: Rc<DensityField>,
     pub(super) inputs: Inputs,
     pub(super) defs: Defs,
-    pub(super) container_shader: &'static str,
     pub(super) skip: bool,
     radiance: wgpu::Buffer,
     sun: wgpu::Buffer,
@@ -27,7 +27,7 @@ pub struct View {
 const PIXEL_BYTES: u64 = 16;
 
 impl View {
-    pub(super) fn new(gpu: &Gpu, scene: &Scene, image: ImageSize) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, scene: &Scene, image: ImageSize, density: Rc<DensityField>, mut inputs: Inputs) -> Result<Self> {
         let bytes = u64::from(image.width) * u64::from(image.height) * PIXEL_BYTES;
         let limit = gpu.device.limits().max_storage_buffer_binding_size;
         if bytes == 0 || bytes > limit {
@@ -37,18 +37,12 @@ impl View {
                 "Choose another size.",
             ));
         }
-        let container_shader = match scene.container {
-            Container::Shell { .. } => "container/shell.wgsl",
-            Container::Box { .. } => "container/box.wgsl",
-        };
-        let mut inputs = scene_inputs(scene, image, true);
-        let density = DensityField::new(gpu, scene, container_shader, &inputs)?;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let (radiance, sun) = (gpu.empty_buffer("radiance", bytes, usage), gpu.empty_buffer("sun", bytes, usage));
         inputs.resource("radiance_out", Resource::Buffer(radiance.clone()));
         inputs.resource("sun_out", Resource::Buffer(sun.clone()));
         gpu.check()?;
-        Ok(Self { defs: defs(scene, &density), scene: scene.clone(), image, density, inputs, container_shader, skip: true, radiance, sun })
+        Ok(Self { defs: defs(scene, &density), scene: scene.clone(), image, density, inputs, skip: true, radiance, sun })
     }
 
     /// Turns the skipping of provably empty space on or off: a uniform, the pipelines are the same. Pictures must not
@@ -61,7 +55,7 @@ impl View {
 
     /// Files that play the roles of a march in this view.
     pub(super) fn roles<'a>(&self, occlusion: &'a str) -> Vec<(&'a str, &'a str)> {
-        vec![("container", self.container_shader), ("density", self.density.shader), ("sky", "sky/preetham.wgsl"), ("occlusion", occlusion)]
+        vec![("container", container_shader(&self.scene)), ("density", self.density.shader), ("sky", "sky/preetham.wgsl"), ("occlusion", occlusion)]
     }
 
     /// The last picture rendered in this view.
@@ -69,6 +63,14 @@ impl View {
         let size = u64::from(self.image.width) * u64::from(self.image.height) * PIXEL_BYTES;
         let read = |buffer| read_buffer(gpu, buffer, size).map(|bytes| bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes));
         Ok(Frame { width: self.image.width, height: self.image.height, radiance: read(&self.radiance)?, sun: read(&self.sun)? })
+    }
+}
+
+/// File that plays the role `container`.
+pub(super) fn container_shader(scene: &Scene) -> &'static str {
+    match scene.container {
+        Container::Shell { .. } => "container/shell.wgsl",
+        Container::Box { .. } => "container/box.wgsl",
     }
 }
 

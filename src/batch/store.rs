@@ -1,0 +1,115 @@
+//! A report folder while it is being filled: one file a cell, each written whole; a killed run leaves nothing half-done.
+
+use super::record::{Cell, Environment, Reference, WallClock};
+use crate::error::{Error, Result};
+use crate::frame::atomic::write_atomic;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::Value;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// What a folder belongs to.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct State {
+    pub experiment: Value,
+    pub environment: Environment,
+    pub wall: WallClock,
+}
+
+pub(super) struct Store {
+    folder: PathBuf,
+    state: State,
+}
+
+const STATE: &str = "batch.json";
+
+impl Store {
+    /// Opens a folder for an experiment on an adapter, or makes it. Records of anything else are refused, not mixed.
+    pub fn open(folder: &Path, experiment: &Value, environment: &Environment) -> Result<Self> {
+        for sub in ["cells", "references", "images"] {
+            let path = folder.join(sub);
+            std::fs::create_dir_all(&path).map_err(Error::writing(&path))?;
+        }
+        let path = folder.join(STATE);
+        let fresh = State { experiment: experiment.clone(), environment: environment.clone(), wall: WallClock::default() };
+        let state = match path.exists() {
+            false => fresh,
+            true => {
+                let found: State = read(&path)?;
+                refuse_other(folder, &found, &fresh)?;
+                found
+            }
+        };
+        let store = Self { folder: folder.to_owned(), state };
+        store.write(STATE, &store.state)?;
+        Ok(store)
+    }
+
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// A path below the folder.
+    pub fn path(&self, relative: &str) -> PathBuf {
+        self.folder.join(relative)
+    }
+
+    pub fn has(&self, id: &str) -> bool {
+        self.path(&format!("cells/{id}.json")).exists()
+    }
+
+    pub fn cell(&self, id: &str) -> Result<Cell> {
+        read(&self.path(&format!("cells/{id}.json")))
+    }
+
+    pub fn put_cell(&self, cell: &Cell) -> Result<()> {
+        self.write(&format!("cells/{}.json", cell.id), cell)
+    }
+
+    /// The truth of a view; `None` when the view failed before it.
+    pub fn reference(&self, view_id: &str) -> Result<Option<Reference>> {
+        let path = self.path(&format!("references/{view_id}.json"));
+        if path.exists() { read(&path).map(Some) } else { Ok(None) }
+    }
+
+    pub fn put_reference(&self, view_id: &str, reference: &Reference) -> Result<()> {
+        self.write(&format!("references/{view_id}.json"), reference)
+    }
+
+    /// Adds a run's seconds to the account.
+    pub fn add_wall(&mut self, total_s: f64, passes_s: f64, compile_s: f64) -> Result<()> {
+        let wall = &mut self.state.wall;
+        wall.total_s += total_s;
+        wall.passes_s += passes_s;
+        wall.compile_s += compile_s;
+        self.write(STATE, &self.state)
+    }
+
+    fn write(&self, relative: &str, value: &impl Serialize) -> Result<()> {
+        let path = self.path(relative);
+        let text = serde_json::to_vec_pretty(value).map_err(|e| Error::writing(&path)(e.into()))?;
+        write_atomic(&path, |file| file.write_all(&text).map_err(Error::writing(&path)))
+    }
+}
+
+fn refuse_other(folder: &Path, found: &State, wanted: &State) -> Result<()> {
+    let place = folder.display().to_string();
+    let remedy = "Name another folder with --out, or remove this one.";
+    if found.experiment != wanted.experiment {
+        return Err(Error::input(place, "the folder holds the records of another experiment", remedy));
+    }
+    if found.environment != wanted.environment {
+        let problem = format!(
+            "the folder holds records from `{}` ({}), this run is on `{}` ({})",
+            found.environment.adapter, found.environment.commit, wanted.environment.adapter, wanted.environment.commit
+        );
+        return Err(Error::input(place, problem, remedy));
+    }
+    Ok(())
+}
+
+fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
+    let bytes = std::fs::read(path).map_err(Error::reading(path))?;
+    serde_json::from_slice(&bytes)
+        .map_err(|e| Error::input(path.display().to_string(), e.to_string(), "Remove this file; the next run makes it again."))
+}

@@ -1,0 +1,45 @@
+//! `occlab diff`.
+
+use super::print_path;
+use occlab::frame::{false_colour, read_image, write_png};
+use occlab::metrics::{compare, delta_luminance, mean_sun};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(clap::Args)]
+pub struct Diff {
+    /// The picture taken for true.
+    reference: PathBuf,
+    /// The picture compared with it.
+    test: PathBuf,
+    /// Signed difference: blue = too dark, red = too bright.
+    #[arg(long, short, value_name = "FILE.png")]
+    out: Option<PathBuf>,
+    /// Difference, as a multiple of the reference's mean, that gets the end colours.
+    #[arg(long, default_value_t = 1.0)]
+    scale: f32,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Diff {
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        let (reference, test) = (read_image(&self.reference)?, read_image(&self.test)?);
+        let comparison = compare(&reference, &test)?;
+        let mut numbers = serde_json::to_value(comparison.error)?;
+        numbers["cloud_pixel_fraction"] = comparison.cloud_pixel_fraction.into();
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&numbers)?);
+        } else if let Some(map) = numbers.as_object() {
+            map.iter().filter(|(_, v)| !v.is_null()).for_each(|(name, value)| println!("{name:<22} {value}"));
+        }
+        if let Some(out) = &self.out {
+            let scale = self.scale * mean_sun(&reference)? as f32;
+            let delta = delta_luminance(&reference, &test)?;
+            write_png(out, reference.width, reference.height, &false_colour(reference.width, reference.height, &delta, scale))?;
+            print_path(out);
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

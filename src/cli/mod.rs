@@ -1,0 +1,76 @@
+//! Command line: what each command takes, and how results and errors are shown.
+
+mod batch;
+mod diff;
+mod info;
+mod progress;
+mod render;
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Measures how clouds shadow themselves.
+///
+/// One GPU ray marcher, many light-occlusion methods, each timed and compared with a 1000-step truth.
+/// Start with `occlab batch configs/quick.json`, then open the index.html it names.
+#[derive(Parser)]
+#[command(version, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Measure a matrix of scenes and methods, write a report; run it again to go on after an interruption.
+    Batch(batch::Batch),
+    /// Rebuild csv, charts and page of a report folder from its records.
+    Report(batch::Rebuild),
+    /// Render one picture of a scene with one method.
+    Render(render::Render),
+    /// Compare two pictures (EXR or PNG): every error number, and a signed difference picture.
+    Diff(diff::Diff),
+    /// List the light-occlusion methods and their parameters.
+    Methods(info::Json),
+    /// List the adapters of this machine.
+    Adapters(info::Json),
+    /// Print the JSON Schema of scene and experiment files.
+    Schema,
+}
+
+/// Options of commands that open an adapter.
+#[derive(clap::Args)]
+struct Device {
+    /// Part of the adapter's name; default: the fastest kind. `occlab adapters` lists them.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// No progress on stderr.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Runs a command. Exit codes: 0 done, 1 done but some cells failed, 2 an error.
+pub fn run(cli: Cli) -> ExitCode {
+    let outcome = match cli.command {
+        Command::Batch(c) => c.run(),
+        Command::Report(c) => c.run(),
+        Command::Render(c) => c.run(),
+        Command::Diff(c) => c.run(),
+        Command::Methods(c) => info::methods(&c),
+        Command::Adapters(c) => info::adapters(&c),
+        Command::Schema => info::schema(),
+    };
+    match outcome {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The path of a report, last line of every command that writes one.
+fn print_path(path: &PathBuf) {
+    println!("{}", path.display());
+}
