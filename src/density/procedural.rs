@@ -142,7 +142,11 @@ fn noise_texture(
     seed: u32,
 ) -> Result<wgpu::Texture> {
     let kernel = Kernel::new(gpu, &Program { entry, roles: vec![], defs: Defs::new() })?;
-    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+    // COPY_DST for the same reason as the light maps: a render pass that zeroes the texture spoils later timestamps.
+    let usage = wgpu::TextureUsages::STORAGE_BINDING
+        | wgpu::TextureUsages::TEXTURE_BINDING
+        | wgpu::TextureUsages::COPY_SRC
+        | wgpu::TextureUsages::COPY_DST;
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(entry),
         size,

@@ -46,6 +46,13 @@ const TILE_TARGET_MS: f64 = 400.0;
 /// Rows of the first tile of a kernel whose speed is not known yet.
 const FIRST_TILE_ROWS: u32 = 8;
 
+/// COPY_DST although nothing is copied there: without it wgpu zeroes the texture in a render pass, and a software adapter
+/// (llvmpipe) then defers the timestamps of later compute passes until that frame buffer is flushed.
+const MAP_USAGE: wgpu::TextureUsages = wgpu::TextureUsages::STORAGE_BINDING
+    .union(wgpu::TextureUsages::TEXTURE_BINDING)
+    .union(wgpu::TextureUsages::COPY_SRC)
+    .union(wgpu::TextureUsages::COPY_DST);
+
 /// See the module.
 pub struct Prepared {
     /// Memory of the method.
@@ -193,7 +200,7 @@ impl MapTexture {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: format.texture,
-            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
+            usage: MAP_USAGE,
             view_formats: &[],
         });
         gpu.check()?;
