@@ -41,7 +41,7 @@ struct Field {
 // Trapezoid of density against height fraction: ramps up over x…y, down over z…w (Häggström 2018).
 const STRATUS: vec4f = vec4f(0.02, 0.05, 0.09, 0.11);
 const STRATOCUMULUS: vec4f = vec4f(0.02, 0.20, 0.48, 0.625);
-const CUMULUS: vec4f = vec4f(0.01, 0.0625, 0.78, 1.0);
+const CUMULUS: vec4f = vec4f(0.0, 0.0625, 0.45, 1.0);
 
 fn height_gradient(h: f32, cloud_type: f32) -> f32 {
     let low = mix(STRATUS, STRATOCUMULUS, saturate(2.0 * cloud_type));
@@ -80,13 +80,17 @@ fn deck_density(q: vec3f, deck: Deck) -> f32 {
     return result;
 }
 
-fn density(p: vec3f) -> f32 {
-    let q = field_point(p);
+// Density in field coordinates: horizontal x and z, height above ground as y.
+fn field_density(q: vec3f) -> f32 {
     var result = 0.0;
     for (var i = 0; i < #{DECKS}; i++) {
         result = max(result, deck_density(q, field.decks[i]));
     }
     return result;
+}
+
+fn density(p: vec3f) -> f32 {
+    return field_density(field_point(p));
 }
 
 fn empty_distance(p: vec3f) -> f32 {

@@ -2,9 +2,11 @@
 //
 //   τ(x, z) = Σ σ Δh over height, midpoints;  one invocation a column, spread evenly over the tile
 //
+// In field coordinates: on a shell the deck curves away from a plane within one tile.
+//
 // Cost: `steps` density samples a column.
 #import frame::frame
-#import density::density
+#import density::field_density
 
 struct Columns {
     tile_m: f32,
@@ -27,7 +29,7 @@ fn measure(@builtin(global_invocation_id) id: vec3u) {
     var tau = 0.0;
     for (var k = 0u; k < columns.steps; k++) {
         let height_m = columns.base_m + (f32(k) + 0.5) * step_m;
-        tau += density(vec3f(xz.x, height_m, xz.y)) * frame.extinction_per_m * step_m;
+        tau += field_density(vec3f(xz.x, height_m, xz.y)) * frame.extinction_per_m * step_m;
     }
     optical_depth[id.y * columns.count + id.x] = tau;
 }

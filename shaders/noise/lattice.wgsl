@@ -20,7 +20,9 @@ fn pcg(v: vec3u) -> vec3u {
 }
 
 fn lattice_hash(cell: vec3i, period: i32, seed: u32) -> vec3u {
-    let wrapped = ((cell % period) + period) % period;
+    // −period ≤ cell < 2·period: no division, which costs more than the hash.
+    let from_below = select(cell, cell + period, cell < vec3i(0));
+    let wrapped = select(from_below, from_below - period, from_below >= vec3i(period));
     return pcg(vec3u(wrapped) + vec3u(seed, seed * 3u + 7u, seed * 5u + 11u));
 }
 

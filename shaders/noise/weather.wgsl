@@ -22,10 +22,10 @@ fn weather(@builtin(global_invocation_id) id: vec3u) {
     }
     let p = vec3f((vec2f(id.xy) + 0.5) / vec2f(size), 0.5);
     let seed = noise.seed;
-    let clumps = 0.6 * worley(p * 7.0, 7, seed + 300u) + 0.3 * worley(p * 14.0, 14, seed + 301u) + 0.1 * worley(p * 28.0, 28, seed + 302u);
+    let clumps = 0.65 * worley(p * 6.0, 6, seed + 300u) + 0.25 * worley(p * 13.0, 13, seed + 301u) + 0.1 * worley(p * 29.0, 29, seed + 302u);
     let drift = 0.5 + 0.8 * perlin_fbm(p * 3.0, 3, 4, seed + 310u);
-    let coverage = smoothstep(0.15, 0.85, 0.55 * clumps + 0.45 * drift);
+    let coverage = 0.9 * smoothstep(0.2, 0.85, 0.7 * clumps + 0.3 * drift);
     let rain = saturate(perlin_fbm(p * 4.0, 4, 3, seed + 320u) * 2.0);
-    let kind = saturate(0.5 + perlin_fbm(p * 3.0, 3, 3, seed + 330u) + 0.4 * (coverage - 0.5));
+    let kind = saturate(0.5 * perlin_fbm(p * 5.0, 5, 3, seed + 330u) + smoothstep(0.2, 0.8, coverage));
     textureStore(texels, id.xy, vec4f(coverage, rain * smoothstep(0.5, 0.9, coverage), kind, 1.0));
 }

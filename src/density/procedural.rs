@@ -337,7 +337,7 @@ struct WeatherBound {
 }
 
 /// The ramps of density/procedural.wgsl, by cloud type 0, 0.5, 1.
-const RAMPS: [[f32; 4]; 3] = [[0.02, 0.05, 0.09, 0.11], [0.02, 0.20, 0.48, 0.625], [0.01, 0.0625, 0.78, 1.0]];
+const RAMPS: [[f32; 4]; 3] = [[0.02, 0.05, 0.09, 0.11], [0.02, 0.20, 0.48, 0.625], [0.0, 0.0625, 0.45, 1.0]];
 
 impl WeatherBound {
     /// Largest height gradient over heights `low..high` and all types of the footprint.
