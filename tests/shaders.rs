@@ -119,7 +119,7 @@ fn every_option_composes() {
             compose_all(&variant, &ends[1], &flags(&["SKY", "AMBIENT"]), true);
         }
     }
-    for order in 1..=15 {
+    for order in [1, 2, 7, 15] {
         for bounds in ["map", "texel"] {
             let fom = common::setup("fom", &format!("order={order} bounds={bounds}"));
             compose_all(&fom, &ends[0], &Defs::new(), false);
