@@ -78,14 +78,14 @@ fn homogeneous_box_agrees_with_ray_box_distances() {
     let mut scene = box_scene(low.into(), high.into(), 0.006);
     (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (35.0, 130.0);
     scene.camera.position_m = [-500.0, 900.0, -1400.0];
-    scene.camera.fov_y_deg = 60.0;
+    scene.camera.fov_y_deg = 45.0;
     scene.march.steps = 256;
     let image = size(20, 14);
     let frame = render(&scene, image, &setup("truth", "step_m=2.5"));
     let expected: Vec<f64> = (0..image.width * image.height)
         .map(|i| ISOTROPIC * box_reference(&scene, pixel_ray(&scene, image, i % image.width, i / image.width), low, high))
         .collect();
-    assert!(expected.iter().filter(|v| **v > 0.0).count() > 40 && expected[0] == 0.0, "the box must be inside the picture");
+    assert!(expected.iter().filter(|v| **v > 0.0).count() > 30 && expected[0] == 0.0, "the box must be inside the picture");
     let pairs = |shift: usize| frame.radiance.iter().zip(expected[shift..].iter()).map(|(a, b)| (f64::from(a[0]), *b));
     let error = relative_rmse(pairs(0));
     println!("box: relative RMSE {error:.1e}");

@@ -102,8 +102,8 @@ fn every_method_composes_in_every_surrounding() {
     for setup in methods() {
         for around in fields() {
             compose_all(&setup, &around, &flags(&["SKY", "AMBIENT", "COUNT", "INTEGRATION_THESIS"]), true);
-            compose_all(&setup, &around, &Defs::new(), false);
         }
+        compose_all(&setup, &fields().pop().unwrap(), &Defs::new(), false);
         for extra in [&["SKY"][..], &["AMBIENT"], &["COUNT"], &["SKY", "AMBIENT"], &["INTEGRATION_THESIS"]] {
             compose_all(&setup, &fields()[0], &flags(extra), false);
         }
@@ -112,17 +112,17 @@ fn every_method_composes_in_every_surrounding() {
 
 #[test]
 fn every_option_composes() {
-    let ends = [fields()[0].clone(), fields().pop().unwrap()];
+    // The test below composes the same options in a shell of uniform density.
+    let around = fields().pop().unwrap();
     for setup in methods() {
         for (_, _, variant) in variants(&setup) {
-            compose_all(&variant, &ends[0], &flags(&["COUNT"]), false);
-            compose_all(&variant, &ends[1], &flags(&["SKY", "AMBIENT"]), true);
+            compose_all(&variant, &around, &flags(&["COUNT"]), true);
         }
     }
     for order in [1, 2, 7, 15] {
         for bounds in ["map", "texel"] {
             let fom = common::setup("fom", &format!("order={order} bounds={bounds}"));
-            compose_all(&fom, &ends[0], &Defs::new(), false);
+            compose_all(&fom, &around, &Defs::new(), false);
         }
     }
 }
