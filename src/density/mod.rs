@@ -1,5 +1,7 @@
 //! The density field on the device: textures, occupancy, and the shader file that evaluates it.
 
+mod bounds;
+mod calibrate;
 mod imported;
 pub mod occupancy;
 mod procedural;

@@ -73,7 +73,7 @@ pub const MAP_PARAMS: &[ParamSpec] = &[
         name: "resolution",
         unit: "texels",
         doc: "Edge of the square map.",
-        kind: ParamKind::Int { min: 1, max: 16384, default: 512 },
+        kind: ParamKind::Int { min: 1, max: 65536, default: 512 },
     },
     ParamSpec {
         name: "steps",
