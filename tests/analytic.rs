@@ -70,8 +70,8 @@ fn box_reference(scene: &Scene, ray: DVec3, low: DVec3, high: DVec3) -> f64 {
     (0..2000).map(sum).sum()
 }
 
-/// An oblique sun leaves through three walls. 256 view steps and about 400 light steps: the kinks between walls cost
-/// O(Δ²), below 1e-3.
+/// An oblique sun leaves through three walls. 128 view steps and up to 350 light steps: the kinks between walls
+/// cost O(Δ²), below 1e-3.
 #[test]
 fn homogeneous_box_agrees_with_ray_box_distances() {
     let (low, high) = (DVec3::new(-300.0, 100.0, -200.0), DVec3::new(400.0, 600.0, 500.0));
@@ -79,7 +79,7 @@ fn homogeneous_box_agrees_with_ray_box_distances() {
     (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (35.0, 130.0);
     scene.camera.position_m = [-500.0, 900.0, -1400.0];
     scene.camera.fov_y_deg = 45.0;
-    scene.march.steps = 256;
+    scene.march.steps = 128;
     let image = size(20, 14);
     let frame = render(&scene, image, &setup("truth", "step_m=2.5"));
     let expected: Vec<f64> = (0..image.width * image.height)
@@ -188,6 +188,22 @@ fn rendered_light_follows_the_phase_function() {
             }
         }
         assert!(extremes.0 < -0.9999 && extremes.1 > 0.9999, "{extremes:?}");
+    }
+}
+
+/// Opacity does not depend on how long the light rays are. 400 view × 400 light steps are 160 000 turns of a loop in one
+/// invocation: Mesa's llvmpipe ends the loops of an invocation after 65 535 turns in all (LP_MAX_TGSI_LOOP_ITERATIONS).
+#[test]
+#[ignore = "known defect on llvmpipe: an invocation is cut short after 65 535 turns of its loops; the march must be split"]
+fn long_marches_are_not_cut_short() {
+    let mut scene = box_scene([0.0; 3], [800.0; 3], 0.001);
+    scene.march.steps = 400;
+    single_pixel(&mut scene, DVec3::new(-300.0, 400.0, 400.0), DVec3::X);
+    for steps in [100, 170, 400, 1000] {
+        let frame = render(&scene, size(1, 1), &setup("srm", &format!("steps={steps} spacing=uniform")));
+        println!("{steps} light steps: opacity {}, V {}", frame.radiance[0][3], frame.sun[0][3]);
+        close(&format!("opacity at {steps} light steps"), frame.radiance[0][3], 1.0 - (-0.8_f64).exp(), 1e-4);
+        close(&format!("V at {steps} light steps"), frame.sun[0][3], (-0.4_f64).exp(), 1e-4);
     }
 }
 

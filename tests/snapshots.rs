@@ -85,5 +85,6 @@ fn volume_with_a_beer_shadow_map() {
     let mut scene = box_scene([0.0; 3], [900.0, 800.0, 900.0], 0.02);
     scene.density = cube_density(write_cube(folder.path(), 18, value));
     (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (40.0, 200.0);
+    scene.camera.fov_y_deg = 19.0;
     check("volume-bsm", &render(&scene, size(24, 14), &setup("bsm", "resolution=64 steps=48")));
 }
