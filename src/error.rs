@@ -61,19 +61,35 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
     /// An [`Error::Input`].
-    pub fn input(place: impl Into<String>, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self::Input { place: place.into(), problem: problem.into(), remedy: remedy.into() }
+    pub fn input(
+        place: impl Into<String>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self::Input {
+            place: place.into(),
+            problem: problem.into(),
+            remedy: remedy.into(),
+        }
     }
 
     /// An [`Error::Gpu`].
     pub fn gpu(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self::Gpu { problem: problem.into(), remedy: remedy.into() }
+        Self::Gpu {
+            problem: problem.into(),
+            remedy: remedy.into(),
+        }
     }
 
     /// Closure for `map_err` after a failed read of `path`.
     pub fn reading(path: &Path) -> impl FnOnce(std::io::Error) -> Self + use<> {
         let path = path.to_owned();
-        move |source| Self::Io { path, action: "read", source, remedy: "Check the path and its permissions." }
+        move |source| Self::Io {
+            path,
+            action: "read",
+            source,
+            remedy: "Check the path and its permissions.",
+        }
     }
 
     /// Closure for `map_err` after a failed write of `path`.

@@ -8,7 +8,10 @@ use std::time::{Duration, Instant};
 
 fn occlab(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_occlab"));
-    command.current_dir(folder).env("OCCLAB_CACHE", folder.join("cache")).stdin(Stdio::null());
+    command
+        .current_dir(folder)
+        .env("OCCLAB_CACHE", folder.join("cache"))
+        .stdin(Stdio::null());
     command
 }
 
@@ -37,12 +40,19 @@ fn workplace(edit: impl FnOnce(&mut Value, &mut Value)) -> tempfile::TempDir {
     let (mut scene, mut experiment) = (scene(), experiment());
     edit(&mut scene, &mut experiment);
     std::fs::write(folder.path().join("slab.json"), scene.to_string()).unwrap();
-    std::fs::write(folder.path().join("small.json"), serde_json::to_string_pretty(&experiment).unwrap()).unwrap();
+    std::fs::write(
+        folder.path().join("small.json"),
+        serde_json::to_string_pretty(&experiment).unwrap(),
+    )
+    .unwrap();
     folder
 }
 
 fn batch(folder: &Path) -> Output {
-    occlab(folder).args(["batch", "small.json", "--out", "out", "--quiet"]).output().unwrap()
+    occlab(folder)
+        .args(["batch", "small.json", "--out", "out", "--quiet"])
+        .output()
+        .unwrap()
 }
 
 fn stderr(output: &Output) -> String {
@@ -58,23 +68,48 @@ fn refused(output: &Output, words: &[&str]) {
 }
 
 fn cells(folder: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = std::fs::read_dir(folder.join("out/cells")) else { return Vec::new() };
+    let Ok(entries) = std::fs::read_dir(folder.join("out/cells")) else {
+        return Vec::new();
+    };
     let paths = entries.map(|e| e.unwrap().path());
-    paths.filter(|p| p.extension().is_some_and(|e| e == "json")).collect()
+    paths
+        .filter(|p| p.extension().is_some_and(|e| e == "json"))
+        .collect()
 }
 
 #[test]
 fn bad_configurations_are_one_paragraph_with_place_and_remedy() {
     type Edit = fn(&mut Value, &mut Value);
     let cases: [(Edit, &[&str]); 8] = [
-        (|_, e| e["methods"][0]["step"] = json!(3), &["small.json:", "step"]),
-        (|_, e| e["methods"][0]["steps"] = json!("many"), &["small.json:", "1…1000"]),
-        (|_, e| e["methods"][0]["steps"] = json!([]), &["small.json:", "steps"]),
-        (|_, e| e["methods"][0]["method"] = json!("bms"), &["small.json:", "bsm"]),
-        (|_, e| e["image"]["width"] = json!(0), &["small.json:", "width"]),
-        (|_, e| e["sun_elevation_deg"] = json!([-3]), &["small.json:", "horizon"]),
+        (
+            |_, e| e["methods"][0]["step"] = json!(3),
+            &["small.json:", "step"],
+        ),
+        (
+            |_, e| e["methods"][0]["steps"] = json!("many"),
+            &["small.json:", "1…1000"],
+        ),
+        (
+            |_, e| e["methods"][0]["steps"] = json!([]),
+            &["small.json:", "steps"],
+        ),
+        (
+            |_, e| e["methods"][0]["method"] = json!("bms"),
+            &["small.json:", "bsm"],
+        ),
+        (
+            |_, e| e["image"]["width"] = json!(0),
+            &["small.json:", "width"],
+        ),
+        (
+            |_, e| e["sun_elevation_deg"] = json!([-3]),
+            &["small.json:", "horizon"],
+        ),
         (|s, _| s["camera"]["fov"] = json!(3), &["slab.json:", "fov"]),
-        (|s, _| s["density"] = json!({"volume": {"path": "absent.npy", "up_axis": 1}}), &["absent.npy"]),
+        (
+            |s, _| s["density"] = json!({"volume": {"path": "absent.npy", "up_axis": 1}}),
+            &["absent.npy"],
+        ),
     ];
     for (edit, words) in cases {
         let folder = workplace(edit);
@@ -86,32 +121,58 @@ fn bad_configurations_are_one_paragraph_with_place_and_remedy() {
 #[test]
 fn a_killed_batch_resumes_and_repeats_nothing() {
     let folder = workplace(|_, e| e["runs"] = json!(40));
-    let mut child = occlab(folder.path()).args(["batch", "small.json", "--out", "out", "--quiet"]).spawn().unwrap();
+    let mut child = occlab(folder.path())
+        .args(["batch", "small.json", "--out", "out", "--quiet"])
+        .spawn()
+        .unwrap();
     let start = Instant::now();
     while cells(folder.path()).is_empty() && child.try_wait().unwrap().is_none() {
-        assert!(start.elapsed() < Duration::from_secs(120), "no cell was recorded");
+        assert!(
+            start.elapsed() < Duration::from_secs(120),
+            "no cell was recorded"
+        );
         std::thread::sleep(Duration::from_millis(5));
     }
     child.kill().unwrap();
     child.wait().unwrap();
     let written = |p: &PathBuf| std::fs::metadata(p).unwrap().modified().unwrap();
-    let before: Vec<_> = cells(folder.path()).into_iter().map(|p| (written(&p), p)).collect();
+    let before: Vec<_> = cells(folder.path())
+        .into_iter()
+        .map(|p| (written(&p), p))
+        .collect();
     assert!(!before.is_empty());
-    assert!(!folder.path().join("out/index.html").exists(), "the batch was over before it could be killed");
+    assert!(
+        !folder.path().join("out/index.html").exists(),
+        "the batch was over before it could be killed"
+    );
 
     let second = batch(folder.path());
     assert!(second.status.success(), "{}", stderr(&second));
     for (time, path) in &before {
-        assert_eq!(written(path), *time, "{} was measured again", path.display());
+        assert_eq!(
+            written(path),
+            *time,
+            "{} was measured again",
+            path.display()
+        );
     }
-    let report: Value = serde_json::from_slice(&std::fs::read(folder.path().join("out/report.json")).unwrap()).unwrap();
+    let report: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("out/report.json")).unwrap())
+            .unwrap();
     let found = report["cells"].as_array().unwrap();
     assert_eq!(found.len(), 9);
-    assert!(found.iter().all(|c| c["result"]["time_ms"]["wall"]["n"] == 40));
+    assert!(
+        found
+            .iter()
+            .all(|c| c["result"]["time_ms"]["wall"]["n"] == 40)
+    );
     let last_line = String::from_utf8_lossy(&second.stdout).trim().to_owned();
     assert!(last_line.ends_with("index.html"), "{last_line}");
 
-    let rebuilt = occlab(folder.path()).args(["report", "out"]).output().unwrap();
+    let rebuilt = occlab(folder.path())
+        .args(["report", "out"])
+        .output()
+        .unwrap();
     assert!(rebuilt.status.success(), "{}", stderr(&rebuilt));
 }
 
@@ -123,12 +184,18 @@ fn a_cell_beyond_the_adapter_is_recorded_and_the_rest_goes_on() {
     });
     let output = batch(folder.path());
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    let report: Value = serde_json::from_slice(&std::fs::read(folder.path().join("out/report.json")).unwrap()).unwrap();
+    let report: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("out/report.json")).unwrap())
+            .unwrap();
     let found = report["cells"].as_array().unwrap();
     assert_eq!(found.len(), 4, "no cell is dropped");
     let failed: Vec<_> = found.iter().filter_map(|c| c["failed"].as_str()).collect();
     assert_eq!(failed.len(), 1);
-    assert!(failed[0].contains("65536") && failed[0].contains("limit"), "{}", failed[0]);
+    assert!(
+        failed[0].contains("65536") && failed[0].contains("limit"),
+        "{}",
+        failed[0]
+    );
 }
 
 #[test]
@@ -148,29 +215,65 @@ fn render_and_diff_measure_what_a_method_loses() {
     let folder = workplace(|_, _| {});
     let render = |method: &str, out: &str| {
         let size = ["--width", "32", "--height", "24", "--quiet"];
-        let output = occlab(folder.path()).args(["render", "--scene", "slab.json", "-m", method, "-o", out]).args(size).output().unwrap();
+        let output = occlab(folder.path())
+            .args(["render", "--scene", "slab.json", "-m", method, "-o", out])
+            .args(size)
+            .output()
+            .unwrap();
         assert!(output.status.success(), "{}", stderr(&output));
     };
     render("truth", "truth.exr");
     render("none", "none.exr");
     let diff = |a: &str, b: &str| -> Value {
-        let output = occlab(folder.path()).args(["diff", a, b, "--json"]).output().unwrap();
+        let output = occlab(folder.path())
+            .args(["diff", a, b, "--json"])
+            .output()
+            .unwrap();
         assert!(output.status.success(), "{}", stderr(&output));
         serde_json::from_slice(&output.stdout).unwrap()
     };
     assert_eq!(diff("truth.exr", "truth.exr")["rel_rmse"], json!(0.0));
-    assert!(diff("truth.exr", "none.exr")["leak"].as_f64().unwrap() > 0.1, "no shadow at all must leak");
-    let bad = occlab(folder.path()).args(["render", "--scene", "slab.json", "--set", "stops=3", "-m", "srm", "-o", "a.png"]).output();
+    assert!(
+        diff("truth.exr", "none.exr")["leak"].as_f64().unwrap() > 0.1,
+        "no shadow at all must leak"
+    );
+    let bad = occlab(folder.path())
+        .args([
+            "render",
+            "--scene",
+            "slab.json",
+            "--set",
+            "stops=3",
+            "-m",
+            "srm",
+            "-o",
+            "a.png",
+        ])
+        .output();
     refused(&bad.unwrap(), &["stops", "steps"]);
 }
 
 #[test]
 fn lists_are_complete() {
     let folder = tempfile::tempdir().unwrap();
-    let output = occlab(folder.path()).args(["methods", "--json"]).output().unwrap();
+    let output = occlab(folder.path())
+        .args(["methods", "--json"])
+        .output()
+        .unwrap();
     let methods: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let ids: Vec<_> = methods.as_array().unwrap().iter().map(|m| m["id"].as_str().unwrap()).collect();
-    assert_eq!(ids, occlab::occlusion::REGISTRY.iter().map(|m| m.info().id).collect::<Vec<_>>());
+    let ids: Vec<_> = methods
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|m| m["id"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        ids,
+        occlab::occlusion::REGISTRY
+            .iter()
+            .map(|m| m.info().id)
+            .collect::<Vec<_>>()
+    );
     let output = occlab(folder.path()).arg("schema").output().unwrap();
     assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok());
 }
@@ -179,6 +282,10 @@ fn lists_are_complete() {
 fn without_an_adapter_the_error_names_the_package_to_install() {
     let folder = workplace(|_, _| {});
     let hidden = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].map(|name| (name, "/nonexistent"));
-    let output = occlab(folder.path()).args(["batch", "small.json", "--out", "out"]).envs(hidden).output().unwrap();
+    let output = occlab(folder.path())
+        .args(["batch", "small.json", "--out", "out"])
+        .envs(hidden)
+        .output()
+        .unwrap();
     refused(&output, &["no Vulkan", "mesa-vulkan-drivers"]);
 }

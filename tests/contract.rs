@@ -2,14 +2,20 @@
 
 mod common;
 
-use common::{box_scene, count_view, cube_density, cumulus, hashed, on_gpu, pixel_ray, relative_rmse, render, render_view, setup, size, write_cube};
+use common::{
+    box_scene, count_view, cube_density, cumulus, hashed, on_gpu, pixel_ray, relative_rmse, render,
+    render_view, setup, size, write_cube,
+};
 use occlab::batch::record::ImageSize;
 use occlab::frame::{Frame, is_nonfinite};
 use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::scene::{Ambient, Density, Scene, Sky};
 use std::collections::HashSet;
 
-const IMAGE: ImageSize = ImageSize { width: 16, height: 12 };
+const IMAGE: ImageSize = ImageSize {
+    width: 16,
+    height: 12,
+};
 /// Small maps: the scenes are smooth.
 const SMALL_MAP: &str = "resolution=128 steps=64";
 
@@ -19,12 +25,20 @@ fn ids() -> impl Iterator<Item = &'static str> {
 
 fn has_map(id: &str) -> bool {
     let setup = setup(id, "");
-    setup.method.plan(&setup.params).unwrap().map_values.is_some()
+    setup
+        .method
+        .plan(&setup.params)
+        .unwrap()
+        .map_values
+        .is_some()
 }
 
 /// The method with a small map if it has one, and `extra` parameters.
 fn small(id: &str, extra: &str) -> MethodSetup {
-    setup(id, &format!("{} {extra}", if has_map(id) { SMALL_MAP } else { "" }))
+    setup(
+        id,
+        &format!("{} {extra}", if has_map(id) { SMALL_MAP } else { "" }),
+    )
 }
 
 #[test]
@@ -33,14 +47,29 @@ fn descriptions_are_complete() {
     for method in REGISTRY {
         let info = method.info();
         assert!(seen.insert(info.id), "two methods are called {}", info.id);
-        assert!(!info.title.is_empty() && !info.citation.is_empty(), "{}", info.id);
+        assert!(
+            !info.title.is_empty() && !info.citation.is_empty(),
+            "{}",
+            info.id
+        );
         assert_eq!(info.shader, format!("occlusion/{}.wgsl", info.id));
         let mut names = HashSet::new();
         for spec in info.specs() {
-            assert!(names.insert(spec.name), "{}: two parameters are called {}", info.id, spec.name);
+            assert!(
+                names.insert(spec.name),
+                "{}: two parameters are called {}",
+                info.id,
+                spec.name
+            );
             assert!(!spec.doc.is_empty());
             let value = spec.default_value();
-            assert_eq!(spec.parse_text(&value.to_string()).unwrap(), value, "{}: {} has an invalid default", info.id, spec.name);
+            assert_eq!(
+                spec.parse_text(&value.to_string()).unwrap(),
+                value,
+                "{}: {} has an invalid default",
+                info.id,
+                spec.name
+            );
         }
         assert!(method.plan(&setup(info.id, "").params).is_ok());
     }
@@ -50,9 +79,17 @@ fn descriptions_are_complete() {
 #[test]
 fn every_binding_is_supplied_in_a_scene_with_every_feature() {
     let mut scene = cumulus();
-    scene.sky = Some(Sky::Preetham { turbidity: 3.0, ground_albedo: 0.2 });
-    scene.ambient = Some(Ambient::Sky { base: 0.5, top: 1.0 });
-    let Density::Procedural(field) = &mut scene.density else { unreachable!() };
+    scene.sky = Some(Sky::Preetham {
+        turbidity: 3.0,
+        ground_albedo: 0.2,
+    });
+    scene.ambient = Some(Ambient::Sky {
+        base: 0.5,
+        top: 1.0,
+    });
+    let Density::Procedural(field) = &mut scene.density else {
+        unreachable!()
+    };
     let mut second = field.decks[0].clone();
     second.coverage = 0.2;
     field.decks.push(second);
@@ -64,14 +101,22 @@ fn every_binding_is_supplied_in_a_scene_with_every_feature() {
             assert_finite(id, &frame);
             let counts = count_view(renderer, &view, &small(id, ""));
             assert!(counts.samples.view > 0, "{id}");
-            assert_eq!(counts.look_ups > 0, has_map(id) && counts.samples.view > 0 && frame.radiance.iter().any(|p| p[3] > 0.0), "{id}");
+            assert_eq!(
+                counts.look_ups > 0,
+                has_map(id) && counts.samples.view > 0 && frame.radiance.iter().any(|p| p[3] > 0.0),
+                "{id}"
+            );
         }
     });
 }
 
 /// A layer 1 km thick and wide enough that no ray that matters meets a side; the camera is inside.
 fn layer(extinction: f64, elevation_deg: f64) -> Scene {
-    let mut scene = box_scene([-6000.0, 0.0, -6000.0], [6000.0, 1000.0, 6000.0], extinction);
+    let mut scene = box_scene(
+        [-6000.0, 0.0, -6000.0],
+        [6000.0, 1000.0, 6000.0],
+        extinction,
+    );
     scene.sun.elevation_deg = elevation_deg;
     scene.sun.azimuth_deg = 35.0;
     scene.camera.position_m = [10.0, 480.0, 20.0];
@@ -88,10 +133,22 @@ fn nothing_is_shadowed_where_there_is_nothing() {
         // σ·1 km = 1e-9 rounds away: V must be 1 (ESM: its front is never reached) but for the few ulp that WGSL grants
         // exp, (3 + 2|x|), and division, 2.5.
         let frame = render(&layer(1e-12, 40.0), IMAGE, &small(id, ""));
-        let worst = frame.sun.iter().map(|p| (p[3] - 1.0).abs()).fold(0.0, f32::max);
+        let worst = frame
+            .sun
+            .iter()
+            .map(|p| (p[3] - 1.0).abs())
+            .fold(0.0, f32::max);
         assert!(worst <= 1e-6, "{id}: V in vacuum is off by {worst:e}");
         let vacuum = render(&layer(0.0, 40.0), IMAGE, &small(id, ""));
-        assert!(vacuum.radiance.iter().chain(&vacuum.sun).flatten().all(|v| *v == 0.0), "{id}: light from vacuum");
+        assert!(
+            vacuum
+                .radiance
+                .iter()
+                .chain(&vacuum.sun)
+                .flatten()
+                .all(|v| *v == 0.0),
+            "{id}: light from vacuum"
+        );
     }
 }
 
@@ -99,7 +156,11 @@ fn nothing_is_shadowed_where_there_is_nothing() {
 fn expected_v(scene: &Scene, column: u32, row: u32) -> f64 {
     let (ray, sun) = (pixel_ray(scene, IMAGE, column, row), scene.sun.direction());
     let (y, sigma) = (scene.camera.position_m[1], scene.medium.extinction_per_m);
-    let wall = if ray.y > 0.0 { (1000.0 - y) / ray.y } else { -y / ray.y };
+    let wall = if ray.y > 0.0 {
+        (1000.0 - y) / ray.y
+    } else {
+        -y / ray.y
+    };
     let (length, n) = (wall.min(2500.0), 4000);
     let (mut sum, mut weights) = (0.0, 0.0);
     for k in 0..n {
@@ -128,49 +189,94 @@ fn a_homogeneous_layer_is_exact() {
                     "bsm" => "front=first".into(),
                     _ => String::new(),
                 };
-                variants = ["nearest", "hardware", "blend"].map(|l| (format!("{own} storage=f16 lookup={l}"), 2e-3)).into();
+                variants = ["nearest", "hardware", "blend"]
+                    .map(|l| (format!("{own} storage=f16 lookup={l}"), 2e-3))
+                    .into();
                 variants.push((format!("{own} storage=f32 lookup=blend"), 1e-4));
                 if id == "bsm" {
-                    variants.extend(["all", "fitted"].map(|m| (format!("{own} storage=f32 mean={m}"), 1e-4)));
+                    variants.extend(
+                        ["all", "fitted"].map(|m| (format!("{own} storage=f32 mean={m}"), 1e-4)),
+                    );
                 }
             }
             for (extra, tolerance) in variants {
                 let frame = render(&scene, IMAGE, &small(id, &extra));
                 let pixels = (0..IMAGE.height).flat_map(|j| (0..IMAGE.width).map(move |i| (i, j)));
-                let pairs = frame.sun.iter().zip(pixels).map(|(p, (i, j))| (f64::from(p[3]), expected_v(&scene, i, j)));
+                let pairs = frame
+                    .sun
+                    .iter()
+                    .zip(pixels)
+                    .map(|(p, (i, j))| (f64::from(p[3]), expected_v(&scene, i, j)));
                 let error = relative_rmse(pairs);
                 println!("{id} {extra} sun {elevation}°: {error:.1e}");
-                assert!(error <= tolerance, "{id} {extra}, sun {elevation}°: relative RMSE {error:.2e} of V");
+                assert!(
+                    error <= tolerance,
+                    "{id} {extra}, sun {elevation}°: relative RMSE {error:.2e} of V"
+                );
             }
         }
         let lit = render(&scene, IMAGE, &small("none", ""));
-        let error = relative_rmse(lit.sun.iter().map(|p| (f64::from(p[3]), expected_v(&scene, 8, 6))));
-        assert!(error > 0.5, "the comparison cannot tell V = 1 from the truth");
+        let error = relative_rmse(
+            lit.sun
+                .iter()
+                .map(|p| (f64::from(p[3]), expected_v(&scene, 8, 6))),
+        );
+        assert!(
+            error > 0.5,
+            "the comparison cannot tell V = 1 from the truth"
+        );
     }
 }
 
 fn assert_finite(what: &str, frame: &Frame) {
-    let bad = frame.radiance.iter().chain(&frame.sun).flatten().filter(|v| is_nonfinite(**v)).count();
+    let bad = frame
+        .radiance
+        .iter()
+        .chain(&frame.sun)
+        .flatten()
+        .filter(|v| is_nonfinite(**v))
+        .count();
     assert_eq!(bad, 0, "{what}: {bad} values are not finite");
-    assert!(frame.sun.iter().all(|p| (0.0..=1.0 + 1e-5).contains(&p[3])), "{what}: V outside of [0, 1]");
+    assert!(
+        frame.sun.iter().all(|p| (0.0..=1.0 + 1e-5).contains(&p[3])),
+        "{what}: V outside of [0, 1]"
+    );
 }
 
 /// Only stable forms promise this; the published ones are kept to show where they fail.
 #[test]
 fn extreme_media_give_finite_pictures() {
     let folder = tempfile::tempdir().unwrap();
-    let denormal = write_cube(folder.path(), 8, |x, y, z| if hashed(x, y, z) < 0.5 { 1e-40 } else { f32::from_bits(1) });
+    let denormal = write_cube(folder.path(), 8, |x, y, z| {
+        if hashed(x, y, z) < 0.5 {
+            1e-40
+        } else {
+            f32::from_bits(1)
+        }
+    });
     let other = tempfile::tempdir().unwrap();
-    let contrast = write_cube(other.path(), 8, |x, y, z| if hashed(x, y, z) < 0.5 { 1e-40 } else { 1e30 });
+    let contrast = write_cube(other.path(), 8, |x, y, z| {
+        if hashed(x, y, z) < 0.5 { 1e-40 } else { 1e30 }
+    });
     for id in ids() {
-        for extra in if has_map(id) { &["storage=f16", "storage=f32 lookup=nearest"][..] } else { &[""] } {
+        for extra in if has_map(id) {
+            &["storage=f16", "storage=f32 lookup=nearest"][..]
+        } else {
+            &[""]
+        } {
             for extinction in [1e6, 1e-30] {
-                assert_finite(&format!("{id} {extra}, σ = {extinction}"), &render(&layer(extinction, 30.0), IMAGE, &small(id, extra)));
+                assert_finite(
+                    &format!("{id} {extra}, σ = {extinction}"),
+                    &render(&layer(extinction, 30.0), IMAGE, &small(id, extra)),
+                );
             }
             for (path, extinction) in [(&denormal, 1.0), (&denormal, 1e6), (&contrast, 1.0)] {
                 let mut scene = layer(extinction, 30.0);
                 scene.density = cube_density(path.clone());
-                assert_finite(&format!("{id} {extra}, {} at σ = {extinction}", path.display()), &render(&scene, IMAGE, &small(id, extra)));
+                assert_finite(
+                    &format!("{id} {extra}, {} at σ = {extinction}", path.display()),
+                    &render(&scene, IMAGE, &small(id, extra)),
+                );
             }
         }
     }
@@ -180,7 +286,13 @@ fn extreme_media_give_finite_pictures() {
 #[test]
 fn monotone_methods_never_brighten_with_depth() {
     let folder = tempfile::tempdir().unwrap();
-    let gaps = |x: usize, y: usize| if hashed(x, y, 7) < 0.4 { 0.0 } else { 0.05 + hashed(x, y, 9) };
+    let gaps = |x: usize, y: usize| {
+        if hashed(x, y, 7) < 0.4 {
+            0.0
+        } else {
+            0.05 + hashed(x, y, 9)
+        }
+    };
     let mut scene = box_scene([0.0; 3], [1000.0; 3], 0.01);
     scene.density = cube_density(write_cube(folder.path(), 16, |x, y, _| gaps(x, y)));
     // From 100 km a ray rises by at most 5 m on its way through the box, less than a third of a pixel: no two pixels of
@@ -192,15 +304,39 @@ fn monotone_methods_never_brighten_with_depth() {
         (scene.camera.position_m, scene.camera.target_m) = ([x, 500.0, -1e5], [x, 500.0, 500.0]);
         for method in REGISTRY.iter().filter(|m| m.info().monotone) {
             let id = method.info().id;
-            let means: &[&str] = if id == "bsm" { &["mean=occupied", "mean=all", "mean=fitted"] } else { &[""] };
+            let means: &[&str] = if id == "bsm" {
+                &["mean=occupied", "mean=all", "mean=fitted"]
+            } else {
+                &[""]
+            };
             for extra in means {
                 let lookup = if has_map(id) { "lookup=nearest" } else { "" };
-                let frame = render(&scene, size(1, 64), &small(id, &format!("{extra} {lookup}")));
-                let v: Vec<f32> = frame.sun.iter().zip(&frame.radiance).filter(|(_, p)| p[3] > 0.0).map(|(s, _)| s[3]).collect();
-                assert!(v.len() > 30, "{id}: the column must hold medium, {} pixels do", v.len());
+                let frame = render(
+                    &scene,
+                    size(1, 64),
+                    &small(id, &format!("{extra} {lookup}")),
+                );
+                let v: Vec<f32> = frame
+                    .sun
+                    .iter()
+                    .zip(&frame.radiance)
+                    .filter(|(_, p)| p[3] > 0.0)
+                    .map(|(s, _)| s[3])
+                    .collect();
+                assert!(
+                    v.len() > 30,
+                    "{id}: the column must hold medium, {} pixels do",
+                    v.len()
+                );
                 // Rounding of exp and of the weighted mean.
-                assert!(v.windows(2).all(|w| w[1] <= w[0] + 1e-6), "{id} {extra} at x = {x}: {v:?}");
-                assert!(id == "none" || v[v.len() - 1] < 0.9 * v[0], "{id} {extra}: nothing to see, {v:?}");
+                assert!(
+                    v.windows(2).all(|w| w[1] <= w[0] + 1e-6),
+                    "{id} {extra} at x = {x}: {v:?}"
+                );
+                assert!(
+                    id == "none" || v[v.len() - 1] < 0.9 * v[0],
+                    "{id} {extra}: nothing to see, {v:?}"
+                );
                 tested += 1;
             }
         }
@@ -212,9 +348,19 @@ fn monotone_methods_never_brighten_with_depth() {
 #[test]
 fn memory_follows_from_values_and_format() {
     on_gpu(|renderer| {
-        let single = renderer.gpu.device.features().contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
+        let single = renderer
+            .gpu
+            .device
+            .features()
+            .contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
         let view = renderer.view(&layer(0.002, 60.0), size(4, 4)).unwrap();
-        let methods = [("esm", "", 1), ("bsm", "", 3), ("fom", "", 7), ("fom", "bounds=texel", 9), ("fom", "order=7", 15)];
+        let methods = [
+            ("esm", "", 1),
+            ("bsm", "", 3),
+            ("fom", "", 7),
+            ("fom", "bounds=texel", 9),
+            ("fom", "order=7", 15),
+        ];
         for (id, extra, values) in methods {
             for (storage, bytes) in [("f16", 2), ("f32", 4)] {
                 for resolution in [1, 64, 100] {
@@ -222,7 +368,11 @@ fn memory_follows_from_values_and_format() {
                     let memory = renderer.prepare(&view, &setup(id, &text)).unwrap().memory;
                     let texels = resolution * resolution;
                     assert_eq!(memory.payload_bytes, values * bytes * texels, "{id} {text}");
-                    let channels = if values == 1 && (single || bytes == 4) { 1 } else { 4 * values.div_ceil(4) };
+                    let channels = if values == 1 && (single || bytes == 4) {
+                        1
+                    } else {
+                        4 * values.div_ceil(4)
+                    };
                     assert_eq!(memory.map_bytes, channels * bytes * texels, "{id} {text}");
                 }
             }

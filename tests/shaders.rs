@@ -3,7 +3,9 @@
 mod common;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use occlab::gpu::{Defs, Leaf, Program, Scalar, UniformValue, compose, embedded, pack, struct_leaves};
+use occlab::gpu::{
+    Defs, Leaf, Program, Scalar, UniformValue, compose, embedded, pack, struct_leaves,
+};
 use occlab::occlusion::param::ParamKind;
 use occlab::occlusion::{MethodSetup, REGISTRY};
 use std::path::Path;
@@ -19,7 +21,10 @@ struct Surroundings {
 const ENTRIES: [&str; 2] = ["generate.wgsl", "raymarch.wgsl"];
 
 fn flags(names: &[&str]) -> Defs {
-    names.iter().map(|name| ((*name).to_owned(), None)).collect()
+    names
+        .iter()
+        .map(|name| ((*name).to_owned(), None))
+        .collect()
 }
 
 /// Containers × densities × structure of the procedural field.
@@ -29,10 +34,19 @@ fn fields() -> Vec<Surroundings> {
         let mut add = |density, names: &[&str], decks: Option<i32>| {
             let mut defs = flags(names);
             defs.extend(decks.map(|n| ("DECKS".to_owned(), Some(n))));
-            all.push(Surroundings { container, density, defs });
+            all.push(Surroundings {
+                container,
+                density,
+                defs,
+            });
         };
         add("density/uniform.wgsl", &[], None);
-        for (names, decks) in [(&[][..], 1), (&["DETAIL"], 1), (&["PRECIPITATION"], 1), (&["DETAIL", "PRECIPITATION"], 2)] {
+        for (names, decks) in [
+            (&[][..], 1),
+            (&["DETAIL"], 1),
+            (&["PRECIPITATION"], 1),
+            (&["DETAIL", "PRECIPITATION"], 2),
+        ] {
             add("density/procedural.wgsl", names, Some(decks));
         }
         if container == "container/box.wgsl" {
@@ -63,9 +77,23 @@ fn composed(entry: &str, setup: &MethodSetup, around: &Surroundings, extra: Defs
     let mut defs = around.defs.clone();
     defs.extend(extra);
     let shader = setup.method.info().shader;
-    let roles = vec![("container", around.container), ("density", around.density), ("sky", "sky/preetham.wgsl"), ("occlusion", shader)];
-    let module = compose(&Program { entry, roles, defs: defs.clone() });
-    let module = module.unwrap_or_else(|e| panic!("{entry} of {shader} in {}, {} with {defs:?}:\n{e}", around.container, around.density));
+    let roles = vec![
+        ("container", around.container),
+        ("density", around.density),
+        ("sky", "sky/preetham.wgsl"),
+        ("occlusion", shader),
+    ];
+    let module = compose(&Program {
+        entry,
+        roles,
+        defs: defs.clone(),
+    });
+    let module = module.unwrap_or_else(|e| {
+        panic!(
+            "{entry} of {shader} in {}, {} with {defs:?}:\n{e}",
+            around.container, around.density
+        )
+    });
     let valid = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module);
     valid.unwrap_or_else(|e| panic!("{entry} of {shader} with {defs:?}: {e:?}"));
     assert_eq!(module.entry_points.len(), 1);
@@ -90,21 +118,40 @@ fn variants(setup: &MethodSetup) -> Vec<(&'static str, &'static str, MethodSetup
         ParamKind::Choice { options, .. } => Some((s.name, options)),
         _ => None,
     });
-    choices.flat_map(|(name, options)| options.iter().map(move |o| (name, *o, setup.clone().with(name, o).unwrap()))).collect()
+    choices
+        .flat_map(|(name, options)| {
+            options
+                .iter()
+                .map(move |o| (name, *o, setup.clone().with(name, o).unwrap()))
+        })
+        .collect()
 }
 
 fn methods() -> impl Iterator<Item = MethodSetup> {
-    REGISTRY.iter().map(|m| MethodSetup::defaults(m.info().id).unwrap())
+    REGISTRY
+        .iter()
+        .map(|m| MethodSetup::defaults(m.info().id).unwrap())
 }
 
 #[test]
 fn every_method_composes_in_every_surrounding() {
     for setup in methods() {
         for around in fields() {
-            compose_all(&setup, &around, &flags(&["SKY", "AMBIENT", "COUNT", "INTEGRATION_THESIS"]), true);
+            compose_all(
+                &setup,
+                &around,
+                &flags(&["SKY", "AMBIENT", "COUNT", "INTEGRATION_THESIS"]),
+                true,
+            );
         }
         compose_all(&setup, &fields().pop().unwrap(), &Defs::new(), false);
-        for extra in [&["SKY"][..], &["AMBIENT"], &["COUNT"], &["SKY", "AMBIENT"], &["INTEGRATION_THESIS"]] {
+        for extra in [
+            &["SKY"][..],
+            &["AMBIENT"],
+            &["COUNT"],
+            &["SKY", "AMBIENT"],
+            &["INTEGRATION_THESIS"],
+        ] {
             compose_all(&setup, &fields()[0], &flags(extra), false);
         }
     }
@@ -132,12 +179,17 @@ fn text(setup: &MethodSetup, extra: &Defs) -> String {
     let around = &fields()[0];
     let mut defs = method_defs(setup, false);
     defs.extend(extra.clone());
-    let entries = ENTRIES.iter().filter(|e| **e == "raymarch.wgsl" || defs.contains_key("HAS_MAP"));
+    let entries = ENTRIES
+        .iter()
+        .filter(|e| **e == "raymarch.wgsl" || defs.contains_key("HAS_MAP"));
     entries
         .map(|entry| {
             let module = composed(entry, setup, around, defs.clone());
-            let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module).unwrap();
-            naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty()).unwrap()
+            let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+                .validate(&module)
+                .unwrap();
+            naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty())
+                .unwrap()
         })
         .collect()
 }
@@ -146,19 +198,40 @@ fn text(setup: &MethodSetup, extra: &Defs) -> String {
 fn every_option_is_read() {
     for setup in methods() {
         let id = setup.method.info().id;
-        assert_eq!(text(&setup, &Defs::new()), text(&setup, &flags(&["NOBODY_READS_THIS"])), "{id}: the comparison itself is at fault");
-        let texts: Vec<_> = variants(&setup).into_iter().map(|(name, option, v)| (name, option, text(&v, &Defs::new()))).collect();
+        assert_eq!(
+            text(&setup, &Defs::new()),
+            text(&setup, &flags(&["NOBODY_READS_THIS"])),
+            "{id}: the comparison itself is at fault"
+        );
+        let texts: Vec<_> = variants(&setup)
+            .into_iter()
+            .map(|(name, option, v)| (name, option, text(&v, &Defs::new())))
+            .collect();
         for (i, a) in texts.iter().enumerate() {
             for b in texts[..i].iter().filter(|b| b.0 == a.0) {
-                assert_ne!(a.2, b.2, "{id}: {} = {} and {} are the same shader", a.0, a.1, b.1);
+                assert_ne!(
+                    a.2, b.2,
+                    "{id}: {} = {} and {} are the same shader",
+                    a.0, a.1, b.1
+                );
             }
         }
     }
 }
 
 fn shader_files(folder: &Path) -> Vec<std::path::PathBuf> {
-    let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
-    entries.flat_map(|p| if p.is_dir() { shader_files(&p) } else { vec![p] }).collect()
+    let entries = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path());
+    entries
+        .flat_map(|p| {
+            if p.is_dir() {
+                shader_files(&p)
+            } else {
+                vec![p]
+            }
+        })
+        .collect()
 }
 
 #[test]
@@ -167,28 +240,60 @@ fn files_are_compiled_in_and_begin_with_their_purpose() {
     let files = shader_files(&root);
     assert!(files.len() > 20, "{} files", files.len());
     for file in files {
-        let name = file.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
+        let name = file
+            .strip_prefix(&root)
+            .unwrap()
+            .to_str()
+            .unwrap()
+            .replace('\\', "/");
         let text = std::fs::read_to_string(&file).unwrap();
         assert_eq!(embedded(&name).unwrap(), text, "{name}");
         let first = text.lines().next().unwrap();
-        assert!(first.starts_with("// ") && first.len() > 10, "{name}: begins with {first}");
-        assert!(text.lines().take_while(|l| l.starts_with("//")).any(|l| l.contains("Cost")) || !name.starts_with("occlusion"), "{name}");
+        assert!(
+            first.starts_with("// ") && first.len() > 10,
+            "{name}: begins with {first}"
+        );
+        assert!(
+            text.lines()
+                .take_while(|l| l.starts_with("//"))
+                .any(|l| l.contains("Cost"))
+                || !name.starts_with("occlusion"),
+            "{name}"
+        );
     }
 }
 
 fn uniform_leaves(module: &naga::Module, name: &str) -> (Vec<Leaf>, u32) {
-    let plain = |v: &naga::GlobalVariable| v.name.as_deref().unwrap_or("").split("X_naga_oil").next() == Some(name);
-    let (_, variable) = module.global_variables.iter().find(|(_, v)| plain(v)).unwrap();
-    (struct_leaves(module, variable.ty), module.types[variable.ty].inner.size(module.to_ctx()))
+    let plain = |v: &naga::GlobalVariable| {
+        v.name.as_deref().unwrap_or("").split("X_naga_oil").next() == Some(name)
+    };
+    let (_, variable) = module
+        .global_variables
+        .iter()
+        .find(|(_, v)| plain(v))
+        .unwrap();
+    (
+        struct_leaves(module, variable.ty),
+        module.types[variable.ty].inner.size(module.to_ctx()),
+    )
 }
 
 fn two_decks() -> naga::Module {
     let around = Surroundings {
         container: "container/shell.wgsl",
         density: "density/procedural.wgsl",
-        defs: Defs::from([("DECKS".into(), Some(2)), ("DETAIL".into(), None), ("PRECIPITATION".into(), None)]),
+        defs: Defs::from([
+            ("DECKS".into(), Some(2)),
+            ("DETAIL".into(), None),
+            ("PRECIPITATION".into(), None),
+        ]),
     };
-    composed("raymarch.wgsl", &common::setup("truth", ""), &around, method_defs(&common::setup("truth", ""), false))
+    composed(
+        "raymarch.wgsl",
+        &common::setup("truth", ""),
+        &around,
+        method_defs(&common::setup("truth", ""), false),
+    )
 }
 
 /// Offsets by the layout rules of the WGSL specification (§ 14.4), worked out by hand.
@@ -196,19 +301,44 @@ fn two_decks() -> naga::Module {
 fn reflected_offsets_follow_the_specification() {
     let module = two_decks();
     let offsets = |name: &str| -> Vec<(String, u32)> {
-        uniform_leaves(&module, name).0.into_iter().map(|l| (l.path, l.offset)).collect()
+        uniform_leaves(&module, name)
+            .0
+            .into_iter()
+            .map(|l| (l.path, l.offset))
+            .collect()
     };
-    let listed = |pairs: &[(&str, u32)]| -> Vec<(String, u32)> { pairs.iter().map(|(n, o)| ((*n).to_owned(), *o)).collect() };
+    let listed = |pairs: &[(&str, u32)]| -> Vec<(String, u32)> {
+        pairs.iter().map(|(n, o)| ((*n).to_owned(), *o)).collect()
+    };
     let frame = [
-        ("camera_position_m", 0), ("far_m", 12), ("camera_right", 16), ("steps", 28), ("camera_up", 32), ("step_m", 44),
-        ("camera_forward", 48), ("jitter", 60), ("sun_direction", 64), ("skip", 76), ("sun_irradiance", 80),
-        ("extinction_per_m", 92), ("phase", 96), ("image_size", 112), ("albedo", 120),
+        ("camera_position_m", 0),
+        ("far_m", 12),
+        ("camera_right", 16),
+        ("steps", 28),
+        ("camera_up", 32),
+        ("step_m", 44),
+        ("camera_forward", 48),
+        ("jitter", 60),
+        ("sun_direction", 64),
+        ("skip", 76),
+        ("sun_irradiance", 80),
+        ("extinction_per_m", 92),
+        ("phase", 96),
+        ("image_size", 112),
+        ("albedo", 120),
     ];
     assert_eq!(offsets("frame"), listed(&frame));
     assert_eq!(uniform_leaves(&module, "frame").1, 128);
     let field = [
-        ("weather_frequency_per_m", 0), ("shape_frequency_per_m", 4), ("detail_frequency_per_m", 8), ("detail_strength", 12),
-        ("precipitation_gain", 16), ("decks[0].profile", 32), ("decks[0].cover", 48), ("decks[1].profile", 64), ("decks[1].cover", 80),
+        ("weather_frequency_per_m", 0),
+        ("shape_frequency_per_m", 4),
+        ("detail_frequency_per_m", 8),
+        ("detail_strength", 12),
+        ("precipitation_gain", 16),
+        ("decks[0].profile", 32),
+        ("decks[0].cover", 48),
+        ("decks[1].profile", 64),
+        ("decks[1].cover", 80),
     ];
     assert_eq!(offsets("field"), listed(&field));
     assert_eq!(uniform_leaves(&module, "field").1, 96);
@@ -228,22 +358,43 @@ fn packing_puts_every_value_at_its_offset_and_refuses_mistakes() {
             other => panic!("{other:?}"),
         }
     };
-    let values: Vec<_> = leaves.iter().enumerate().map(|(i, l)| (l.path.clone(), value(i, l))).collect();
+    let values: Vec<_> = leaves
+        .iter()
+        .enumerate()
+        .map(|(i, l)| (l.path.clone(), value(i, l)))
+        .collect();
     let bytes = pack("frame", &leaves, size, &values).unwrap();
     assert_eq!(bytes.len(), 128);
     let word = |offset: usize| u32::from_le_bytes(bytes[offset..offset + 4].try_into().unwrap());
     assert_eq!(f32::from_bits(word(0)), 1.0);
-    assert_eq!(f32::from_bits(word(12)), 2.0, "far_m shares the last word of the position");
+    assert_eq!(
+        f32::from_bits(word(12)),
+        2.0,
+        "far_m shares the last word of the position"
+    );
     assert_eq!(word(28), 1003);
     assert_eq!(f32::from_bits(word(108)), 13.75, "w of the phase");
     assert_eq!((word(112), word(116)), (1013, 2000));
     assert_eq!(word(124), 0, "padding");
 
     let without = &values[1..];
-    assert!(pack("frame", &leaves, size, without).unwrap_err().to_string().contains("camera_position_m"));
+    assert!(
+        pack("frame", &leaves, size, without)
+            .unwrap_err()
+            .to_string()
+            .contains("camera_position_m")
+    );
     let mut wrong = values.clone();
     wrong[1].1 = UniformValue::U32(1);
-    assert!(pack("frame", &leaves, size, &wrong).unwrap_err().to_string().contains("far_m"));
+    assert!(
+        pack("frame", &leaves, size, &wrong)
+            .unwrap_err()
+            .to_string()
+            .contains("far_m")
+    );
     wrong[1].1 = UniformValue::Vec2([1.0; 2]);
-    assert!(pack("frame", &leaves, size, &wrong).is_err(), "two components where one is declared");
+    assert!(
+        pack("frame", &leaves, size, &wrong).is_err(),
+        "two components where one is declared"
+    );
 }

@@ -2,7 +2,10 @@
 
 mod common;
 
-use common::{box_scene, count_view, cube_density, cumulus, hashed, on_gpu, procedural, reds, relative_rmse, render, render_view, setup, size, write_cube};
+use common::{
+    box_scene, count_view, cube_density, cumulus, hashed, on_gpu, procedural, reds, relative_rmse,
+    render, render_view, setup, size, write_cube,
+};
 use occlab::frame::Frame;
 use occlab::scene::{Density, Scene};
 
@@ -13,15 +16,30 @@ fn check_skipping(scene: Scene) {
     on_gpu(move |renderer| {
         let mut view = renderer.view(&scene, size(20, 14)).unwrap();
         let empty = view.density.built.empty_fraction.unwrap();
-        assert!((0.05..0.95).contains(&empty), "{}: {empty} of the cells are empty", scene.name);
-        for (id, params) in [("truth", "step_m=20"), ("srm", "steps=12"), ("bsm", "resolution=64 steps=48")] {
+        assert!(
+            (0.05..0.95).contains(&empty),
+            "{}: {empty} of the cells are empty",
+            scene.name
+        );
+        for (id, params) in [
+            ("truth", "step_m=20"),
+            ("srm", "steps=12"),
+            ("bsm", "resolution=64 steps=48"),
+        ] {
             let method = setup(id, params);
             let [on, off] = [true, false].map(|skip| {
                 view.set_skip(skip);
-                (render_view(renderer, &view, &method), count_view(renderer, &view, &method).samples)
+                (
+                    render_view(renderer, &view, &method),
+                    count_view(renderer, &view, &method).samples,
+                )
             });
             let opaque = on.0.radiance.iter().filter(|p| p[3] > 0.1).count();
-            assert!(opaque > 20 && on.0.radiance.iter().any(|p| p[0] > 0.0), "{}: nothing to see", scene.name);
+            assert!(
+                opaque > 20 && on.0.radiance.iter().any(|p| p[0] > 0.0),
+                "{}: nothing to see",
+                scene.name
+            );
             if renderer.gpu.info.device_type == wgpu::DeviceType::Cpu {
                 assert_eq!(on.0, off.0, "{}: {id}", scene.name);
             } else {
@@ -31,8 +49,15 @@ fn check_skipping(scene: Scene) {
             }
             let samples = |s: occlab::batch::record::Samples| [s.view, s.light, s.map];
             let (on, off) = (samples(on.1), samples(off.1));
-            println!("{} {id}: view, light, map samples {on:?} skipping, {off:?} not; {empty:.2} empty", scene.name);
-            assert!(on[0] < off[0] && on[1] <= off[1] && on[2] <= off[2], "{}: {id}: {on:?} {off:?}", scene.name);
+            println!(
+                "{} {id}: view, light, map samples {on:?} skipping, {off:?} not; {empty:.2} empty",
+                scene.name
+            );
+            assert!(
+                on[0] < off[0] && on[1] <= off[1] && on[2] <= off[2],
+                "{}: {id}: {on:?} {off:?}",
+                scene.name
+            );
             let last = if id == "bsm" { 2 } else { 1 };
             assert!(on[last] < off[last], "{}: {id}: {on:?} {off:?}", scene.name);
         }
@@ -50,7 +75,11 @@ fn skipping_is_exact_in_a_random_volume() {
     // Clumps of 6³ cells with holes inside and out.
     let value = |x: usize, y: usize, z: usize| {
         let clump = hashed(x / 6, y / 6, z / 6) < 0.25;
-        if clump && hashed(x, y, z) < 0.7 { hashed(z, x, y) } else { 0.0 }
+        if clump && hashed(x, y, z) < 0.7 {
+            hashed(z, x, y)
+        } else {
+            0.0
+        }
     };
     let mut scene = box_scene([0.0; 3], [960.0, 640.0, 960.0], 0.05);
     scene.name = "random volume".into();
@@ -65,7 +94,11 @@ const TILE_M: f64 = 8192.0;
 /// One deck seen straight from above over a square of `width_m` about (x, z): rays lean by less than 1 in 100.
 fn from_above(coverage: f64, [x, z]: [f64; 2], width_m: f64) -> Scene {
     let half = 2.0 * TILE_M;
-    let mut scene = box_scene([x - half, 1024.0, z - half], [x + half, 2048.0, z + half], 0.03);
+    let mut scene = box_scene(
+        [x - half, 1024.0, z - half],
+        [x + half, 2048.0, z + half],
+        0.03,
+    );
     scene.density = Density::Procedural(procedural(coverage));
     let height = 100.0 * width_m;
     scene.camera.position_m = [x, 1536.0 + height, z];
@@ -89,21 +122,30 @@ fn the_field_repeats_after_a_weather_tile() {
         render(&scene, size(20, 14), &setup("srm", "steps=6"))
     };
     let home = picture(0.0);
-    assert!(home.radiance.iter().filter(|p| p[3] > 0.2).count() > 20, "nothing to see");
+    assert!(
+        home.radiance.iter().filter(|p| p[3] > 0.2).count() > 20,
+        "nothing to see"
+    );
     let error = relative_rmse(reds(&picture(TILE_M), &home));
     println!("a tile away: relative RMSE {error:.1e}");
     assert!(error <= 1e-3, "a tile away: relative RMSE {error:.1e}");
     let mut turned = home.clone();
     turned.radiance.rotate_left(1);
     let other = relative_rmse(reds(&turned, &home));
-    assert!(other > 0.05, "a pixel away the picture must differ: {other:.1e}");
+    assert!(
+        other > 0.05,
+        "a pixel away the picture must differ: {other:.1e}"
+    );
 }
 
 /// Mean change of opacity from each column of pixels to the next.
 fn column_changes(frame: &Frame) -> Vec<f64> {
     let width = frame.width as usize;
     let change = |i: usize| {
-        let rows = frame.radiance.chunks(width).map(|row| f64::from((row[i + 1][3] - row[i][3]).abs()));
+        let rows = frame
+            .radiance
+            .chunks(width)
+            .map(|row| f64::from((row[i + 1][3] - row[i][3]).abs()));
         rows.sum::<f64>() / f64::from(frame.height)
     };
     (0..width - 1).map(change).collect()
@@ -113,16 +155,29 @@ fn column_changes(frame: &Frame) -> Vec<f64> {
 fn seam(frame: &Frame) -> f64 {
     let changes = column_changes(frame);
     let middle = frame.width as usize / 2 - 1;
-    changes[middle] / changes.iter().enumerate().filter(|(i, _)| *i != middle).map(|(_, c)| *c).fold(0.0, f64::max)
+    changes[middle]
+        / changes
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| *i != middle)
+            .map(|(_, c)| *c)
+            .fold(0.0, f64::max)
 }
 
 /// At x = 0 weather, shape and detail begin anew. Across it, opacity must not change more than elsewhere.
 #[test]
 fn tiles_join_without_a_seam() {
-    let mut one = render(&from_above(0.6, [0.0, 1000.0], 1500.0), size(64, 64), &setup("none", ""));
+    let mut one = render(
+        &from_above(0.6, [0.0, 1000.0], 1500.0),
+        size(64, 64),
+        &setup("none", ""),
+    );
     let measured = seam(&one);
     println!("seam: {measured:.2} of the largest change elsewhere");
-    assert!(measured < 1.2, "the change across the seam is {measured:.2} times the largest elsewhere");
+    assert!(
+        measured < 1.2,
+        "the change across the seam is {measured:.2} times the largest elsewhere"
+    );
     // Negative control: the right half turned upside down.
     let (radiance, width) = (one.radiance.clone(), 64);
     for (y, row) in one.radiance.chunks_mut(width).enumerate() {
@@ -142,10 +197,19 @@ fn coverage_is_what_the_scene_asks_for() {
             let view = renderer.view(&scene, size(80, 80)).unwrap();
             let frame = render_view(renderer, &view, &setup("none", ""));
             let covered = frame.radiance.iter().filter(|p| p[3] > 0.5).count() as f64;
-            (view.density.built.measured_coverage.clone(), covered / frame.radiance.len() as f64)
+            (
+                view.density.built.measured_coverage.clone(),
+                covered / frame.radiance.len() as f64,
+            )
         });
         println!("coverage {coverage}: calibration {built:?}, seen {seen:.3}");
-        assert!(built.len() == 1 && (built[0] - coverage).abs() <= 0.03, "coverage {coverage}: calibrated to {built:?}");
-        assert!((seen - coverage).abs() <= 0.04, "coverage {coverage}: {seen} of the picture is covered");
+        assert!(
+            built.len() == 1 && (built[0] - coverage).abs() <= 0.03,
+            "coverage {coverage}: calibrated to {built:?}"
+        );
+        assert!(
+            (seen - coverage).abs() <= 0.04,
+            "coverage {coverage}: {seen} of the picture is covered"
+        );
     }
 }

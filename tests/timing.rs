@@ -23,7 +23,10 @@ fn passes_account_for_the_wall_time_of_every_prepared_method() {
                 let share = times.total().unwrap() / times.wall;
                 // The rest of the wall time is submission and read-back, and in round 0 the driver's compilation.
                 let least = if round == 0 { 0.0 } else { 0.1 };
-                assert!((least..=1.01).contains(&share), "{id}: passes are {share:.3} of the wall time, {times:?}");
+                assert!(
+                    (least..=1.01).contains(&share),
+                    "{id}: passes are {share:.3} of the wall time, {times:?}"
+                );
             }
         }
     });

@@ -69,7 +69,11 @@ pub(super) fn run_view(
     cache: Option<&Path>,
     observe: Observer,
 ) -> Result<f64> {
-    let missing: Vec<_> = matrix.cells.iter().filter(|spec| !store.has(&cell_id(matrix, spec))).collect();
+    let missing: Vec<_> = matrix
+        .cells
+        .iter()
+        .filter(|spec| !store.has(&cell_id(matrix, spec)))
+        .collect();
     if missing.is_empty() {
         return Ok(0.0);
     }
@@ -106,8 +110,17 @@ impl<'a> Bench<'a> {
         let view = renderer.view(&matrix.scene, matrix.image)?;
         let scene_s = start.elapsed().as_secs_f64() - (renderer.gpu.compile_s() - compiled_s);
         let what = format!("{name}: truth");
-        let truth = truth(renderer, &view, cache, &mut |share| observe(Event::Stage { what: what.clone(), share }))?;
-        let truth_s = if truth.cached { 0.0 } else { 2.0 * truth.cost.wall_ms * 1e-3 };
+        let truth = truth(renderer, &view, cache, &mut |share| {
+            observe(Event::Stage {
+                what: what.clone(),
+                share,
+            })
+        })?;
+        let truth_s = if truth.cached {
+            0.0
+        } else {
+            2.0 * truth.cost.wall_ms * 1e-3
+        };
         let bench = Self {
             experiment,
             renderer,
@@ -124,10 +137,18 @@ impl<'a> Bench<'a> {
 
     fn record_truth(&self) -> Result<()> {
         let id = view_id(self.matrix);
-        let (exr, png) = (format!("images/truth-{id}.exr"), format!("images/truth-{id}.png"));
+        let (exr, png) = (
+            format!("images/truth-{id}.exr"),
+            format!("images/truth-{id}.png"),
+        );
         let frame = &self.truth.frame;
         write_frame(&self.store.path(&exr), frame)?;
-        write_png(&self.store.path(&png), frame.width, frame.height, &tone_map(frame, Exposure::from_reference(frame)))?;
+        write_png(
+            &self.store.path(&png),
+            frame.width,
+            frame.height,
+            &tone_map(frame, Exposure::from_reference(frame)),
+        )?;
         let cost = &self.truth.cost;
         let reference = Reference {
             id: id.clone(),
@@ -144,7 +165,11 @@ impl<'a> Bench<'a> {
     }
 
     /// Prepares as many cells as fit, measures and records them; returns the others.
-    fn block<'s>(&mut self, specs: &'s [&'a CellSpec], observe: Observer) -> Result<&'s [&'a CellSpec]> {
+    fn block<'s>(
+        &mut self,
+        specs: &'s [&'a CellSpec],
+        observe: Observer,
+    ) -> Result<&'s [&'a CellSpec]> {
         let mut runs = Vec::new();
         let mut bytes = 0;
         let mut taken = 0;
@@ -158,7 +183,14 @@ impl<'a> Bench<'a> {
                     bytes += run.prepared.memory.map_bytes + frame_bytes(self.matrix.image);
                     runs.push(run);
                 }
-                Err(error) => record_failure(self.matrix, self.renderer, self.store, spec, &error, observe)?,
+                Err(error) => record_failure(
+                    self.matrix,
+                    self.renderer,
+                    self.store,
+                    spec,
+                    &error,
+                    observe,
+                )?,
             }
         }
         self.rounds(&mut runs, observe)?;
@@ -170,7 +202,14 @@ impl<'a> Bench<'a> {
                     tell(observe, Event::Cell(Box::new(cell)))?;
                 }
                 Err(error @ (Error::Gpu { .. } | Error::Input { .. } | Error::Shader { .. })) => {
-                    record_failure(self.matrix, self.renderer, self.store, spec, &error, observe)?;
+                    record_failure(
+                        self.matrix,
+                        self.renderer,
+                        self.store,
+                        spec,
+                        &error,
+                        observe,
+                    )?;
                 }
                 Err(error) => return Err(error),
             }
@@ -179,9 +218,18 @@ impl<'a> Bench<'a> {
     }
 
     fn prepare(&self, spec: &'a CellSpec) -> Result<Run<'a>> {
-        let setup = MethodSetup { method: find(&spec.method)?, params: spec.params.clone() };
+        let setup = MethodSetup {
+            method: find(&spec.method)?,
+            params: spec.params.clone(),
+        };
         let prepared = self.renderer.prepare(&self.view, &setup)?;
-        Ok(Run { spec, setup, prepared, frame: None, times: Vec::new() })
+        Ok(Run {
+            spec,
+            setup,
+            prepared,
+            frame: None,
+            times: Vec::new(),
+        })
     }
 
     fn rounds(&mut self, runs: &mut [Run], observe: Observer) -> Result<()> {
@@ -191,8 +239,15 @@ impl<'a> Bench<'a> {
         for round in 0..rounds {
             for (i, run) in runs.iter_mut().enumerate() {
                 let share = (f64::from(round) * total / f64::from(rounds) + i as f64) / total;
-                stage(observe, &name, &format!("round {}/{rounds}", round + 1), share)?;
-                let times = run.prepared.run(&self.renderer.gpu, &mut |_| ControlFlow::Continue(()))?;
+                stage(
+                    observe,
+                    &name,
+                    &format!("round {}/{rounds}", round + 1),
+                    share,
+                )?;
+                let times = run
+                    .prepared
+                    .run(&self.renderer.gpu, &mut |_| ControlFlow::Continue(()))?;
                 self.passes_s += times.wall * 1e-3;
                 if round == 0 {
                     run.frame = Some(self.view.read(&self.renderer.gpu)?);
@@ -206,13 +261,18 @@ impl<'a> Bench<'a> {
     }
 
     fn measure(&mut self, run: Run) -> Result<Cell> {
-        let frame = run.frame.ok_or_else(|| Error::gpu("the cell was never rendered", "Run the batch again."))?;
+        let frame = run
+            .frame
+            .ok_or_else(|| Error::gpu("the cell was never rendered", "Run the batch again."))?;
         let comparison = compare(&self.truth.frame, &frame)?;
         let counting = self.renderer.prepare_counting(&self.view, &run.setup)?;
         let counted = counting.run(&self.renderer.gpu, &mut |_| ControlFlow::Continue(()))?;
         self.passes_s += counted.wall * 1e-3;
         let counts = counting.counts(&self.renderer.gpu)?;
-        let error = ErrorNumbers { floor_rel_rmse: self.floor(&run.setup)?, ..comparison.error };
+        let error = ErrorNumbers {
+            floor_rel_rmse: self.floor(&run.setup)?,
+            ..comparison.error
+        };
         let result = Measured {
             reference: view_id(self.matrix),
             cloud_pixel_fraction: comparison.cloud_pixel_fraction,
@@ -224,7 +284,10 @@ impl<'a> Bench<'a> {
             error,
             files: self.write_pictures(&cell_id(self.matrix, run.spec), &frame)?,
         };
-        Ok(Cell { result: Some(result), ..bare_cell(self.matrix, self.renderer, run.spec) })
+        Ok(Cell {
+            result: Some(result),
+            ..bare_cell(self.matrix, self.renderer, run.spec)
+        })
     }
 
     /// The same cell with nothing compressed, or `None` for a method without a map.
@@ -245,7 +308,9 @@ impl<'a> Bench<'a> {
         let prepared = self.renderer.prepare(&self.view, &floor)?;
         let times = prepared.run(&self.renderer.gpu, &mut |_| ControlFlow::Continue(()))?;
         self.passes_s += times.wall * 1e-3;
-        let error = compare(&self.truth.frame, &self.view.read(&self.renderer.gpu)?)?.error.rel_rmse;
+        let error = compare(&self.truth.frame, &self.view.read(&self.renderer.gpu)?)?
+            .error
+            .rel_rmse;
         self.floors.insert(key, error);
         Ok(Some(error))
     }
@@ -255,16 +320,34 @@ impl<'a> Bench<'a> {
         let (exr, png, diff) = (path(".exr"), path(".png"), path("-diff.png"));
         let exposure = Exposure::from_reference(&self.truth.frame);
         write_frame(&self.store.path(&exr), frame)?;
-        write_png(&self.store.path(&png), frame.width, frame.height, &tone_map(frame, exposure))?;
+        write_png(
+            &self.store.path(&png),
+            frame.width,
+            frame.height,
+            &tone_map(frame, exposure),
+        )?;
         let delta = delta_luminance(&self.truth.frame, frame)?;
         let scale = DIFF_SCALE * mean_sun(&self.truth.frame)? as f32;
-        write_png(&self.store.path(&diff), frame.width, frame.height, &false_colour(frame.width, frame.height, &delta, scale))?;
-        Ok(files([("exr", exr.into()), ("png", png.into()), ("diff_png", diff.into()), ("diff_scale", DIFF_SCALE.into())]))
+        write_png(
+            &self.store.path(&diff),
+            frame.width,
+            frame.height,
+            &false_colour(frame.width, frame.height, &delta, scale),
+        )?;
+        Ok(files([
+            ("exr", exr.into()),
+            ("png", png.into()),
+            ("diff_png", diff.into()),
+            ("diff_scale", DIFF_SCALE.into()),
+        ]))
     }
 }
 
 fn files<const N: usize>(entries: [(&str, Value); N]) -> Map<String, Value> {
-    entries.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
+    entries
+        .into_iter()
+        .map(|(k, v)| (k.to_owned(), v))
+        .collect()
 }
 
 fn frame_bytes(image: ImageSize) -> u64 {
@@ -272,11 +355,19 @@ fn frame_bytes(image: ImageSize) -> u64 {
 }
 
 fn stage(observe: Observer, view: &str, what: &str, share: f64) -> Result<()> {
-    tell(observe, Event::Stage { what: format!("{view}: {what}"), share })
+    tell(
+        observe,
+        Event::Stage {
+            what: format!("{view}: {what}"),
+            share,
+        },
+    )
 }
 
 fn times(runs: &[PassTimes]) -> Times {
-    let stats = |value: fn(&PassTimes) -> Option<f64>| summarise(&runs.iter().filter_map(value).collect::<Vec<_>>());
+    let stats = |value: fn(&PassTimes) -> Option<f64>| {
+        summarise(&runs.iter().filter_map(value).collect::<Vec<_>>())
+    };
     Times {
         generate: stats(|t| t.generate),
         march: stats(|t| t.march),
@@ -294,7 +385,11 @@ fn bare_cell(view: &MatrixView, renderer: &Renderer, spec: &CellSpec) -> Cell {
         scene_set: view.scene_set.clone(),
         sun_elevation_deg: view.scene.sun.elevation_deg,
         method: spec.method.clone(),
-        params: spec.params.iter().map(|(k, v)| (k.to_owned(), json!(v))).collect(),
+        params: spec
+            .params
+            .iter()
+            .map(|(k, v)| (k.to_owned(), json!(v)))
+            .collect(),
         backend: format!("{} {}", environment.backend, environment.device_type),
         image: view.image,
         failed: None,
@@ -302,8 +397,18 @@ fn bare_cell(view: &MatrixView, renderer: &Renderer, spec: &CellSpec) -> Cell {
     }
 }
 
-fn record_failure(view: &MatrixView, renderer: &Renderer, store: &Store, spec: &CellSpec, error: &Error, observe: Observer) -> Result<()> {
-    let cell = Cell { failed: Some(error.to_string()), ..bare_cell(view, renderer, spec) };
+fn record_failure(
+    view: &MatrixView,
+    renderer: &Renderer,
+    store: &Store,
+    spec: &CellSpec,
+    error: &Error,
+    observe: Observer,
+) -> Result<()> {
+    let cell = Cell {
+        failed: Some(error.to_string()),
+        ..bare_cell(view, renderer, spec)
+    };
     store.put_cell(&cell)?;
     tell(observe, Event::Cell(Box::new(cell)))
 }

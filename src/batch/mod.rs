@@ -42,13 +42,34 @@ pub enum Event {
 pub type Observer<'a> = &'a mut dyn FnMut(Event) -> ControlFlow<()>;
 
 /// Runs what is missing of an experiment in `folder`; returns the report, which is not yet written.
-pub fn run(experiment: &Experiment, renderer: &Renderer, folder: &Path, cache: Option<&Path>, observe: Observer) -> Result<Report> {
+pub fn run(
+    experiment: &Experiment,
+    renderer: &Renderer,
+    folder: &Path,
+    cache: Option<&Path>,
+    observe: Observer,
+) -> Result<Report> {
     let start = Instant::now();
     let compiled_s = renderer.gpu.compile_s();
     let matrix = expand(experiment, &Registry)?;
-    let mut store = Store::open(folder, experiment.document().value(), &renderer.gpu.environment())?;
-    let done = matrix.views.iter().flat_map(|v| v.cells.iter().map(move |c| block::cell_id(v, c))).filter(|id| store.has(id)).count();
-    tell(observe, Event::Planned { cells: matrix.cell_count(), done })?;
+    let mut store = Store::open(
+        folder,
+        experiment.document().value(),
+        &renderer.gpu.environment(),
+    )?;
+    let done = matrix
+        .views
+        .iter()
+        .flat_map(|v| v.cells.iter().map(move |c| block::cell_id(v, c)))
+        .filter(|id| store.has(id))
+        .count();
+    tell(
+        observe,
+        Event::Planned {
+            cells: matrix.cell_count(),
+            done,
+        },
+    )?;
     for note in &matrix.notes {
         tell(observe, Event::Note(note.clone()))?;
     }
@@ -64,7 +85,11 @@ pub fn run(experiment: &Experiment, renderer: &Renderer, folder: &Path, cache: O
             }
         }
     }
-    store.add_wall(start.elapsed().as_secs_f64(), passes_s, renderer.gpu.compile_s() - compiled_s)?;
+    store.add_wall(
+        start.elapsed().as_secs_f64(),
+        passes_s,
+        renderer.gpu.compile_s() - compiled_s,
+    )?;
     outcome?;
     assemble(&matrix, &store)
 }
@@ -102,11 +127,28 @@ fn tell(observe: Observer, event: Event) -> Result<()> {
 
 /// Folder of an experiment's report below `parent`: its name, reduced to characters every file system takes.
 pub fn report_folder(parent: &Path, name: &str) -> PathBuf {
-    let safe: String = name.chars().take(80).map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '-' }).collect();
-    parent.join(if safe.is_empty() { "report".to_owned() } else { safe })
+    let safe: String = name
+        .chars()
+        .take(80)
+        .map(|c| {
+            if c.is_ascii_alphanumeric() || "-_".contains(c) {
+                c
+            } else {
+                '-'
+            }
+        })
+        .collect();
+    parent.join(if safe.is_empty() {
+        "report".to_owned()
+    } else {
+        safe
+    })
 }
 
 /// Words for a view: scene, sun, image.
 fn view_name(view: &MatrixView) -> String {
-    format!("{} {}° {}×{}", view.scene.name, view.scene.sun.elevation_deg, view.image.width, view.image.height)
+    format!(
+        "{} {}° {}×{}",
+        view.scene.name, view.scene.sun.elevation_deg, view.image.width, view.image.height
+    )
 }

@@ -239,12 +239,20 @@ impl Report {
     /// Reads `report.json` of a folder.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(Error::reading(path))?;
-        let report: Self = serde_json::from_str(&text)
-            .map_err(|e| Error::input(path.display().to_string(), e.to_string(), "Rebuild the folder with `occlab batch`."))?;
+        let report: Self = serde_json::from_str(&text).map_err(|e| {
+            Error::input(
+                path.display().to_string(),
+                e.to_string(),
+                "Rebuild the folder with `occlab batch`.",
+            )
+        })?;
         if report.schema != SCHEMA {
             return Err(Error::input(
                 path.display().to_string(),
-                format!("schema is `{}`, this program reads `{SCHEMA}`", report.schema),
+                format!(
+                    "schema is `{}`, this program reads `{SCHEMA}`",
+                    report.schema
+                ),
                 "Run the batch again with this version.",
             ));
         }

@@ -31,7 +31,11 @@ impl Store {
             std::fs::create_dir_all(&path).map_err(Error::writing(&path))?;
         }
         let path = folder.join(STATE);
-        let fresh = State { experiment: experiment.clone(), environment: environment.clone(), wall: WallClock::default() };
+        let fresh = State {
+            experiment: experiment.clone(),
+            environment: environment.clone(),
+            wall: WallClock::default(),
+        };
         let state = match path.exists() {
             false => fresh,
             true => {
@@ -40,7 +44,10 @@ impl Store {
                 found
             }
         };
-        let store = Self { folder: folder.to_owned(), state };
+        let store = Self {
+            folder: folder.to_owned(),
+            state,
+        };
         store.write(STATE, &store.state)?;
         Ok(store)
     }
@@ -69,7 +76,11 @@ impl Store {
     /// The truth of a view; `None` when the view failed before it.
     pub fn reference(&self, view_id: &str) -> Result<Option<Reference>> {
         let path = self.path(&format!("references/{view_id}.json"));
-        if path.exists() { read(&path).map(Some) } else { Ok(None) }
+        if path.exists() {
+            read(&path).map(Some)
+        } else {
+            Ok(None)
+        }
     }
 
     pub fn put_reference(&self, view_id: &str, reference: &Reference) -> Result<()> {
@@ -88,7 +99,9 @@ impl Store {
     fn write(&self, relative: &str, value: &impl Serialize) -> Result<()> {
         let path = self.path(relative);
         let text = serde_json::to_vec_pretty(value).map_err(|e| Error::writing(&path)(e.into()))?;
-        write_atomic(&path, |file| file.write_all(&text).map_err(Error::writing(&path)))
+        write_atomic(&path, |file| {
+            file.write_all(&text).map_err(Error::writing(&path))
+        })
     }
 }
 
@@ -96,12 +109,19 @@ fn refuse_other(folder: &Path, found: &State, wanted: &State) -> Result<()> {
     let place = folder.display().to_string();
     let remedy = "Name another folder with --out, or remove this one.";
     if found.experiment != wanted.experiment {
-        return Err(Error::input(place, "the folder holds the records of another experiment", remedy));
+        return Err(Error::input(
+            place,
+            "the folder holds the records of another experiment",
+            remedy,
+        ));
     }
     if found.environment != wanted.environment {
         let problem = format!(
             "the folder holds records from `{}` ({}), this run is on `{}` ({})",
-            found.environment.adapter, found.environment.commit, wanted.environment.adapter, wanted.environment.commit
+            found.environment.adapter,
+            found.environment.commit,
+            wanted.environment.adapter,
+            wanted.environment.commit
         );
         return Err(Error::input(place, problem, remedy));
     }
@@ -110,6 +130,11 @@ fn refuse_other(folder: &Path, found: &State, wanted: &State) -> Result<()> {
 
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     let bytes = std::fs::read(path).map_err(Error::reading(path))?;
-    serde_json::from_slice(&bytes)
-        .map_err(|e| Error::input(path.display().to_string(), e.to_string(), "Remove this file; the next run makes it again."))
+    serde_json::from_slice(&bytes).map_err(|e| {
+        Error::input(
+            path.display().to_string(),
+            e.to_string(),
+            "Remove this file; the next run makes it again.",
+        )
+    })
 }

@@ -37,18 +37,29 @@ impl Batch {
             print!("{}", describe(&expand(&experiment, &Registry)?));
             return Ok(ExitCode::SUCCESS);
         }
-        let folder = self.out.unwrap_or_else(|| report_folder(&PathBuf::from("reports"), &experiment.name));
+        let folder = self
+            .out
+            .unwrap_or_else(|| report_folder(&PathBuf::from("reports"), &experiment.name));
         let renderer = Renderer::new(Gpu::new(self.device.adapter.as_deref())?);
         let cache = if self.no_cache { None } else { cache_folder() };
         let quiet = self.device.quiet;
         if !quiet {
-            eprintln!("adapter: {} ({:?})", renderer.gpu.info.name, renderer.gpu.info.device_type);
+            eprintln!(
+                "adapter: {} ({:?})",
+                renderer.gpu.info.name, renderer.gpu.info.device_type
+            );
         }
         let progress = bar(0, quiet);
-        let report = run(&experiment, &renderer, &folder, cache.as_deref(), &mut |event| {
-            show(&progress, event);
-            ControlFlow::Continue(())
-        })?;
+        let report = run(
+            &experiment,
+            &renderer,
+            &folder,
+            cache.as_deref(),
+            &mut |event| {
+                show(&progress, event);
+                ControlFlow::Continue(())
+            },
+        )?;
         progress.finish_and_clear();
         let page = occlab::report::write(&folder, &report)?;
         if !quiet {
@@ -56,7 +67,11 @@ impl Batch {
         }
         print_path(&page);
         let failed = report.cells.iter().filter(|c| c.failed.is_some()).count();
-        Ok(if failed > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
+        Ok(if failed > 0 {
+            ExitCode::from(1)
+        } else {
+            ExitCode::SUCCESS
+        })
     }
 }
 
@@ -67,11 +82,16 @@ fn show(progress: &indicatif::ProgressBar, event: Event) {
             progress.set_position(done as u64);
         }
         Event::Note(note) => progress.println(format!("note: {note}")),
-        Event::Stage { what, share } => progress.set_message(format!("{what} {:.0} %", share * 100.0)),
+        Event::Stage { what, share } => {
+            progress.set_message(format!("{what} {:.0} %", share * 100.0))
+        }
         Event::Cell(cell) => {
             progress.inc(1);
             if let Some(reason) = &cell.failed {
-                progress.println(format!("failed: {} {} {:?}: {reason}", cell.scene, cell.method, cell.params));
+                progress.println(format!(
+                    "failed: {} {} {:?}: {reason}",
+                    cell.scene, cell.method, cell.params
+                ));
             }
         }
     }
@@ -79,15 +99,30 @@ fn show(progress: &indicatif::ProgressBar, event: Event) {
 
 /// The table on stderr: the page has the rest.
 fn summarise(report: &Report) {
-    eprintln!("{:<16} {:>4} {:<6} {:>9} {:>8} {:>8} {:>9} {:>10}  setting", "scene", "sun", "method", "rel_rmse", "leak", "darken", "total ms", "map bytes");
+    eprintln!(
+        "{:<16} {:>4} {:<6} {:>9} {:>8} {:>8} {:>9} {:>10}  setting",
+        "scene", "sun", "method", "rel_rmse", "leak", "darken", "total ms", "map bytes"
+    );
     for cell in &report.cells {
         eprintln!("{}", row(cell));
     }
     for truth in &report.references {
-        let samples = truth.light_samples.zip(truth.view_samples).map(|(l, v)| (l + v) as f64);
-        let rate = samples.zip(truth.march_ms).map_or("n/a".into(), |(n, ms)| format!("{:.1} M samples/s", n / ms * 1e-3));
-        let ms = truth.march_ms.map_or("n/a".into(), |ms| format!("{ms:.0} ms"));
-        eprintln!("{:<16} {:>3}° truth: {ms}, {rate}{}", truth.scene, truth.sun_elevation_deg, if truth.cached { ", cached" } else { "" });
+        let samples = truth
+            .light_samples
+            .zip(truth.view_samples)
+            .map(|(l, v)| (l + v) as f64);
+        let rate = samples.zip(truth.march_ms).map_or("n/a".into(), |(n, ms)| {
+            format!("{:.1} M samples/s", n / ms * 1e-3)
+        });
+        let ms = truth
+            .march_ms
+            .map_or("n/a".into(), |ms| format!("{ms:.0} ms"));
+        eprintln!(
+            "{:<16} {:>3}° truth: {ms}, {rate}{}",
+            truth.scene,
+            truth.sun_elevation_deg,
+            if truth.cached { ", cached" } else { "" }
+        );
     }
     let wall = &report.wall;
     eprintln!(
@@ -100,8 +135,15 @@ fn summarise(report: &Report) {
 }
 
 fn row(cell: &Cell) -> String {
-    let setting: Vec<_> = cell.params.iter().map(|(k, v)| format!("{k}={}", v.as_str().map_or(v.to_string(), str::to_owned))).collect();
-    let start = format!("{:<16} {:>3}° {:<6}", cell.scene, cell.sun_elevation_deg, cell.method);
+    let setting: Vec<_> = cell
+        .params
+        .iter()
+        .map(|(k, v)| format!("{k}={}", v.as_str().map_or(v.to_string(), str::to_owned)))
+        .collect();
+    let start = format!(
+        "{:<16} {:>3}° {:<6}",
+        cell.scene, cell.sun_elevation_deg, cell.method
+    );
     match &cell.result {
         None => format!("{start} FAILED  {}", setting.join(" ")),
         Some(r) => format!(
@@ -109,7 +151,9 @@ fn row(cell: &Cell) -> String {
             r.error.rel_rmse,
             r.error.leak,
             r.error.darken,
-            r.time_ms.total.map_or("n/a".into(), |t| format!("{:.1}", t.median)),
+            r.time_ms
+                .total
+                .map_or("n/a".into(), |t| format!("{:.1}", t.median)),
             r.memory.map_bytes,
             setting.join(" ")
         ),

@@ -32,12 +32,19 @@ impl Diff {
         if self.json {
             println!("{}", serde_json::to_string_pretty(&numbers)?);
         } else if let Some(map) = numbers.as_object() {
-            map.iter().filter(|(_, v)| !v.is_null()).for_each(|(name, value)| println!("{name:<22} {value}"));
+            map.iter()
+                .filter(|(_, v)| !v.is_null())
+                .for_each(|(name, value)| println!("{name:<22} {value}"));
         }
         if let Some(out) = &self.out {
             let scale = self.scale * mean_sun(&reference)? as f32;
             let delta = delta_luminance(&reference, &test)?;
-            write_png(out, reference.width, reference.height, &false_colour(reference.width, reference.height, &delta, scale))?;
+            write_png(
+                out,
+                reference.width,
+                reference.height,
+                &false_colour(reference.width, reference.height, &delta, scale),
+            )?;
             print_path(out);
         }
         Ok(ExitCode::SUCCESS)

@@ -23,8 +23,18 @@ pub fn methods(options: &Json) -> anyhow::Result<ExitCode> {
         let info = method.info();
         println!("{}: {}\n    {}", info.id, info.title, info.citation);
         for spec in info.specs() {
-            let unit = if spec.unit.is_empty() { String::new() } else { format!(" {}", spec.unit) };
-            println!("    {} = {}{unit}    [{}]\n        {}", spec.name, spec.default_value(), spec.range_text(), spec.doc);
+            let unit = if spec.unit.is_empty() {
+                String::new()
+            } else {
+                format!(" {}", spec.unit)
+            };
+            println!(
+                "    {} = {}{unit}    [{}]\n        {}",
+                spec.name,
+                spec.default_value(),
+                spec.range_text(),
+                spec.doc
+            );
         }
         println!();
     }
@@ -45,13 +55,21 @@ pub fn adapters(options: &Json) -> anyhow::Result<ExitCode> {
         println!("{}", serde_json::to_string_pretty(&all)?);
     } else if all.is_empty() {
         // Opening one produces the message that names the package to install.
-        return Gpu::new(None).map(|_| ExitCode::SUCCESS).map_err(Error::into);
+        return Gpu::new(None)
+            .map(|_| ExitCode::SUCCESS)
+            .map_err(Error::into);
     }
     if !options.json {
         for a in &all {
             println!(
                 "{}\n    {} {}, {}, timestamps {}, f32 filtering {}, maps up to {}²",
-                a.name, a.backend, a.device_type, a.driver, a.timestamps, a.float32_filterable, a.max_texture_2d
+                a.name,
+                a.backend,
+                a.device_type,
+                a.driver,
+                a.timestamps,
+                a.float32_filterable,
+                a.max_texture_2d
             );
         }
     }
@@ -59,6 +77,9 @@ pub fn adapters(options: &Json) -> anyhow::Result<ExitCode> {
 }
 
 pub fn schema() -> anyhow::Result<ExitCode> {
-    println!("{}", serde_json::to_string_pretty(&occlab::config::schema(&occlab::occlusion::Registry))?);
+    println!(
+        "{}",
+        serde_json::to_string_pretty(&occlab::config::schema(&occlab::occlusion::Registry))?
+    );
     Ok(ExitCode::SUCCESS)
 }

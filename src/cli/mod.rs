@@ -7,7 +7,6 @@ mod progress;
 mod render;
 
 use clap::{Parser, Subcommand};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Measures how clouds shadow themselves.
@@ -71,6 +70,6 @@ pub fn run(cli: Cli) -> ExitCode {
 }
 
 /// The path of a report, last line of every command that writes one.
-fn print_path(path: &PathBuf) {
+fn print_path(path: &std::path::Path) {
     println!("{}", path.display());
 }

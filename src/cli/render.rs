@@ -51,16 +51,34 @@ impl Render {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let scene = self.scene()?;
         let setup = self.setup(&scene)?;
-        let extension = self.out.extension().and_then(|e| e.to_str()).unwrap_or_default().to_owned();
+        let extension = self
+            .out
+            .extension()
+            .and_then(|e| e.to_str())
+            .unwrap_or_default()
+            .to_owned();
         if !["exr", "png"].contains(&extension.as_str()) {
-            return Err(Error::input("--out", format!("`{}` is neither .exr nor .png", self.out.display()), "Name a file with one of these endings.").into());
+            return Err(Error::input(
+                "--out",
+                format!("`{}` is neither .exr nor .png", self.out.display()),
+                "Name a file with one of these endings.",
+            )
+            .into());
         }
         if self.width == 0 || self.height == 0 {
-            return Err(Error::input("--width, --height", "a picture needs at least one pixel", "Give positive sizes.").into());
+            return Err(Error::input(
+                "--width, --height",
+                "a picture needs at least one pixel",
+                "Give positive sizes.",
+            )
+            .into());
         }
         let renderer = Renderer::new(Gpu::new(self.device.adapter.as_deref())?);
         let progress = bar(1000, self.device.quiet);
-        let image = ImageSize { width: self.width, height: self.height };
+        let image = ImageSize {
+            width: self.width,
+            height: self.height,
+        };
         let (frame, times) = renderer.render(&scene, image, &setup, &mut |share| {
             progress.set_position((share * 1000.0) as u64);
             ControlFlow::Continue(())
@@ -68,12 +86,24 @@ impl Render {
         progress.finish_and_clear();
         match extension.as_str() {
             "exr" => write_frame(&self.out, &frame)?,
-            _ => write_png(&self.out, frame.width, frame.height, &tone_map(&frame, Exposure::from_reference(&frame)))?,
+            _ => write_png(
+                &self.out,
+                frame.width,
+                frame.height,
+                &tone_map(&frame, Exposure::from_reference(&frame)),
+            )?,
         }
         if !self.device.quiet {
             let ms = |t: Option<f64>| t.map_or("n/a".into(), |t| format!("{t:.1} ms"));
-            let generate = times.generate.map_or(String::new(), |_| format!("generate {}, ", ms(times.generate)));
-            eprintln!("{}: {generate}march {}, wall {:.1} ms", renderer.gpu.info.name, ms(times.march), times.wall);
+            let generate = times.generate.map_or(String::new(), |_| {
+                format!("generate {}, ", ms(times.generate))
+            });
+            eprintln!(
+                "{}: {generate}march {}, wall {:.1} ms",
+                renderer.gpu.info.name,
+                ms(times.march),
+                times.wall
+            );
         }
         print_path(&self.out);
         Ok(ExitCode::SUCCESS)
@@ -81,19 +111,39 @@ impl Render {
 
     fn scene(&self) -> anyhow::Result<Scene> {
         let named = PathBuf::from("configs/scenes").join(self.scene.with_extension("json"));
-        let path = if !self.scene.exists() && named.exists() { &named } else { &self.scene };
+        let path = if !self.scene.exists() && named.exists() {
+            &named
+        } else {
+            &self.scene
+        };
         let mut scene = load_scene(path)?;
         if let Some(elevation_deg) = self.sun_elevation {
             scene.sun.elevation_deg = elevation_deg;
         }
         match (&mut scene.density, &self.volume, self.seed) {
             (Density::Volume(volume), Some(path), _) => volume.path.clone_from(path),
-            (_, Some(_), _) => return Err(Error::input("--volume", "the scene's density is not a volume", "Use configs/scenes/volume.json.").into()),
+            (_, Some(_), _) => {
+                return Err(Error::input(
+                    "--volume",
+                    "the scene's density is not a volume",
+                    "Use configs/scenes/volume.json.",
+                )
+                .into());
+            }
             (Density::Procedural(p), _, Some(seed)) => p.seed = seed,
-            (_, _, Some(_)) => return Err(Error::input("--seed", "the scene's density has no noise", "Leave the option out.").into()),
+            (_, _, Some(_)) => {
+                return Err(Error::input(
+                    "--seed",
+                    "the scene's density has no noise",
+                    "Leave the option out.",
+                )
+                .into());
+            }
             _ => {}
         }
-        scene.validate().map_err(|problem| problem.at(&path.display().to_string()))?;
+        scene
+            .validate()
+            .map_err(|problem| problem.at(&path.display().to_string()))?;
         Ok(scene)
     }
 
@@ -104,7 +154,12 @@ impl Render {
         }
         for pair in &self.set {
             let Some((name, value)) = pair.split_once('=') else {
-                return Err(Error::input("--set", format!("`{pair}` is not NAME=VALUE"), "Write for example --set resolution=512.").into());
+                return Err(Error::input(
+                    "--set",
+                    format!("`{pair}` is not NAME=VALUE"),
+                    "Write for example --set resolution=512.",
+                )
+                .into());
             };
             setup = setup.with(name, value)?;
         }

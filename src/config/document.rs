@@ -39,7 +39,12 @@ pub(super) struct Fault {
 impl From<Problem> for Fault {
     fn from(problem: Problem) -> Self {
         let remedy = format!("Correct the value; {SCHEMA_HINT}");
-        Self { pointer: problem.pointer, part: Part::Value, problem: problem.message, remedy }
+        Self {
+            pointer: problem.pointer,
+            part: Part::Value,
+            problem: problem.message,
+            remedy,
+        }
     }
 }
 
@@ -48,15 +53,28 @@ impl Document {
     pub fn read(path: &Path) -> Result<Self> {
         let file = std::fs::File::open(path).map_err(Error::reading(path))?;
         let mut bytes = Vec::new();
-        file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(Error::reading(path))?;
+        file.take(MAX_FILE_BYTES + 1)
+            .read_to_end(&mut bytes)
+            .map_err(Error::reading(path))?;
         if bytes.len() as u64 > MAX_FILE_BYTES {
             let remedy = "A scene or an experiment has a few kilobytes: check that this is the file you mean.";
-            return Err(Error::input(path.display().to_string(), format!("larger than {} MiB", MAX_FILE_BYTES >> 20), remedy));
+            return Err(Error::input(
+                path.display().to_string(),
+                format!("larger than {} MiB", MAX_FILE_BYTES >> 20),
+                remedy,
+            ));
         }
         let text = String::from_utf8(bytes).map_err(|e| {
-            let valid = String::from_utf8_lossy(&e.as_bytes()[..e.utf8_error().valid_up_to()]).into_owned();
+            let valid =
+                String::from_utf8_lossy(&e.as_bytes()[..e.utf8_error().valid_up_to()]).into_owned();
             let problem = "a byte that is not UTF-8".to_owned();
-            error_at(path, locate::line_col(&valid, valid.len()), None, problem, "Save the file as UTF-8 text.".to_owned())
+            error_at(
+                path,
+                locate::line_col(&valid, valid.len()),
+                None,
+                problem,
+                "Save the file as UTF-8 text.".to_owned(),
+            )
         })?;
         Self::parse(path, text)
     }
@@ -67,15 +85,29 @@ impl Document {
             text.remove(0);
         }
         let syntax = |(place, problem)| {
-            error_at(path, place, None, problem, "Correct the JSON; comments and trailing commas are not part of it.".to_owned())
+            error_at(
+                path,
+                place,
+                None,
+                problem,
+                "Correct the JSON; comments and trailing commas are not part of it.".to_owned(),
+            )
         };
         locate::check(&text).map_err(syntax)?;
         let value = serde_json::from_str(&text).map_err(|e| {
             let message = e.to_string();
-            let problem = message.split(" at line ").next().unwrap_or(&message).to_owned();
+            let problem = message
+                .split(" at line ")
+                .next()
+                .unwrap_or(&message)
+                .to_owned();
             syntax(((e.line().max(1), e.column().max(1)), problem))
         })?;
-        Ok(Self { path: path.to_owned(), text, value })
+        Ok(Self {
+            path: path.to_owned(),
+            text,
+            value,
+        })
     }
 
     /// The whole file as it was read.
@@ -94,33 +126,70 @@ impl Document {
     }
 
     /// An error about the value at `pointer`.
-    pub fn error(&self, pointer: &str, problem: impl Into<String>, remedy: impl Into<String>) -> Error {
-        self.fault(Fault { pointer: pointer.to_owned(), part: Part::Value, problem: problem.into(), remedy: remedy.into() })
+    pub fn error(
+        &self,
+        pointer: &str,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Error {
+        self.fault(Fault {
+            pointer: pointer.to_owned(),
+            part: Part::Value,
+            problem: problem.into(),
+            remedy: remedy.into(),
+        })
     }
 
     /// An error about the key that `pointer` ends with.
-    pub fn error_at_key(&self, pointer: &str, problem: impl Into<String>, remedy: impl Into<String>) -> Error {
-        self.fault(Fault { pointer: pointer.to_owned(), part: Part::Key, problem: problem.into(), remedy: remedy.into() })
+    pub fn error_at_key(
+        &self,
+        pointer: &str,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Error {
+        self.fault(Fault {
+            pointer: pointer.to_owned(),
+            part: Part::Key,
+            problem: problem.into(),
+            remedy: remedy.into(),
+        })
     }
 
     pub(super) fn fault(&self, fault: Fault) -> Error {
         let place = locate::position(&self.text, &fault.pointer, fault.part);
-        error_at(&self.path, place, Some(&fault.pointer), fault.problem, fault.remedy)
+        error_at(
+            &self.path,
+            place,
+            Some(&fault.pointer),
+            fault.problem,
+            fault.remedy,
+        )
     }
 
     /// The value at `pointer` as a `T`.
     pub(super) fn get<T: DeserializeOwned>(&self, pointer: &str) -> Result<T> {
         let value = self.value.pointer(pointer).unwrap_or(&Value::Null);
-        deserialize(value).map_err(|fault| self.fault(Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }))
+        deserialize(value).map_err(|fault| {
+            self.fault(Fault {
+                pointer: format!("{pointer}{}", fault.pointer),
+                ..fault
+            })
+        })
     }
 
     /// The elements of the list at `pointer`, or the single value there; each with its own pointer. Never empty.
     pub(super) fn one_or_many(&self, pointer: &str) -> Result<Vec<(String, Value)>> {
         match self.value.pointer(pointer) {
-            Some(Value::Array(list)) if list.is_empty() => {
-                Err(self.error(pointer, "the list is empty", "Give at least one value, or leave the key out."))
-            }
-            Some(Value::Array(list)) => Ok(list.iter().enumerate().map(|(i, v)| (format!("{pointer}/{i}"), v.clone())).collect()),
+            Some(Value::Array(list)) if list.is_empty() => Err(self.error(
+                pointer,
+                "the list is empty",
+                "Give at least one value, or leave the key out.",
+            )),
+            Some(Value::Array(list)) => Ok(list
+                .iter()
+                .enumerate()
+                .map(|(i, v)| (format!("{pointer}/{i}"), v.clone()))
+                .collect()),
             Some(single) => Ok(vec![(pointer.to_owned(), single.clone())]),
             None => Err(self.error(pointer, "the value is missing", SCHEMA_HINT)),
         }
@@ -131,12 +200,21 @@ impl Document {
 pub(super) fn deserialize<T: DeserializeOwned>(value: &Value) -> Result<T, Fault> {
     serde_path_to_error::deserialize(value).map_err(|e| {
         let problem = e.inner().to_string();
-        let part = if problem.starts_with("unknown field") { Part::Key } else { Part::Value };
+        let part = if problem.starts_with("unknown field") {
+            Part::Key
+        } else {
+            Part::Value
+        };
         let mut pointer: String = e.path().iter().map(pointer_step).collect();
         while value.pointer(&pointer).is_none() {
             pointer.truncate(pointer.rfind('/').unwrap_or(0));
         }
-        Fault { pointer, part, remedy: format!("{}{SCHEMA_HINT}", suggestion(&problem)), problem }
+        Fault {
+            pointer,
+            part,
+            remedy: format!("{}{SCHEMA_HINT}", suggestion(&problem)),
+            problem,
+        }
     })
 }
 
@@ -158,11 +236,21 @@ fn suggestion(problem: &str) -> String {
     }
 }
 
-fn error_at(path: &Path, (line, column): LineCol, pointer: Option<&str>, problem: String, remedy: String) -> Error {
+fn error_at(
+    path: &Path,
+    (line, column): LineCol,
+    pointer: Option<&str>,
+    problem: String,
+    remedy: String,
+) -> Error {
     let suffix = match pointer {
         None => String::new(),
         Some("") => " (at the top level)".to_owned(),
         Some(pointer) => format!(" (at {pointer})"),
     };
-    Error::input(format!("{}:{line}:{column}{suffix}", path.display()), problem, remedy)
+    Error::input(
+        format!("{}:{line}:{column}{suffix}", path.display()),
+        problem,
+        remedy,
+    )
 }

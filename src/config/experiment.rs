@@ -136,16 +136,29 @@ impl Experiment {
 fn from_document(document: Document) -> Result<Experiment> {
     let file: File = document.get("")?;
     if file.name.is_empty() || file.name.chars().count() > 200 {
-        return Err(document.error("/name", "the name must have 1 to 200 characters", "Give the experiment a short name."));
+        return Err(document.error(
+            "/name",
+            "the name must have 1 to 200 characters",
+            "Give the experiment a short name.",
+        ));
     }
     check_count(&document, "/runs", file.runs, 1)?;
     check_count(&document, "/discard", file.discard, 0)?;
     let shorthands = shorthands(&document, &file)?;
     let each = |pointer: &str| document.one_or_many(pointer);
     Ok(Experiment {
-        images: each("/image")?.iter().map(|(place, _)| image(&document, place)).collect::<Result<_>>()?,
-        scenes: each("/scenes")?.iter().map(|(place, value)| scene(&document, place, value, &shorthands)).collect::<Result<_>>()?,
-        methods: each("/methods")?.iter().map(|(place, value)| method(&document, place, value)).collect::<Result<_>>()?,
+        images: each("/image")?
+            .iter()
+            .map(|(place, _)| image(&document, place))
+            .collect::<Result<_>>()?,
+        scenes: each("/scenes")?
+            .iter()
+            .map(|(place, value)| scene(&document, place, value, &shorthands))
+            .collect::<Result<_>>()?,
+        methods: each("/methods")?
+            .iter()
+            .map(|(place, value)| method(&document, place, value))
+            .collect::<Result<_>>()?,
         name: file.name,
         runs: file.runs,
         discard: file.discard,
@@ -165,11 +178,20 @@ fn check_count(document: &Document, pointer: &str, count: u32, min: u32) -> Resu
 }
 
 fn shorthands(document: &Document, file: &File) -> Result<Vec<Axis>> {
-    let given = [("/sun_elevation_deg", SUN_POINTER, &file.sun_elevation_deg), ("/view_steps", STEPS_POINTER, &file.view_steps)];
+    let given = [
+        ("/sun_elevation_deg", SUN_POINTER, &file.sun_elevation_deg),
+        ("/view_steps", STEPS_POINTER, &file.view_steps),
+    ];
     given
         .into_iter()
         .filter(|(_, _, value)| value.is_some())
-        .map(|(place, target, _)| Ok(Axis { target: target.to_owned(), place: place.to_owned(), values: document.one_or_many(place)? }))
+        .map(|(place, target, _)| {
+            Ok(Axis {
+                target: target.to_owned(),
+                place: place.to_owned(),
+                values: document.one_or_many(place)?,
+            })
+        })
         .collect()
 }
 
@@ -178,59 +200,112 @@ fn image(document: &Document, place: &str) -> Result<ImageSize> {
     for (side, pixels) in [("width", size.width), ("height", size.height)] {
         if !(1..=MAX_SIDE).contains(&pixels) {
             let problem = format!("{side} is {pixels} pixels, allowed is 1…{MAX_SIDE}");
-            return Err(document.error(&format!("{place}/{side}"), problem, "Choose a size such as 640 × 360."));
+            return Err(document.error(
+                &format!("{place}/{side}"),
+                problem,
+                "Choose a size such as 640 × 360.",
+            ));
         }
     }
     Ok(size)
 }
 
-fn scene(document: &Document, place: &str, value: &Value, shorthands: &[Axis]) -> Result<SceneEntry> {
+fn scene(
+    document: &Document,
+    place: &str,
+    value: &Value,
+    shorthands: &[Axis],
+) -> Result<SceneEntry> {
     let (path_place, entry) = match value {
-        Value::String(path) => (place.to_owned(), FileScene { scene: path.clone(), set: Map::new() }),
+        Value::String(path) => (
+            place.to_owned(),
+            FileScene {
+                scene: path.clone(),
+                set: Map::new(),
+            },
+        ),
         Value::Object(_) => (format!("{place}/scene"), document.get::<FileScene>(place)?),
         other => {
-            let remedy = "Write \"scenes/name.json\" or {\"scene\": \"scenes/name.json\", \"set\": {…}}.";
+            let remedy =
+                "Write \"scenes/name.json\" or {\"scene\": \"scenes/name.json\", \"set\": {…}}.";
             return Err(document.error(place, format!("{other} is not a scene"), remedy));
         }
     };
     let path = document.folder().join(&entry.scene);
     if !path.is_file() {
         let remedy = "Paths of scenes are relative to the experiment file.";
-        return Err(document.error(&path_place, format!("there is no scene file {}", path.display()), remedy));
+        return Err(document.error(
+            &path_place,
+            format!("there is no scene file {}", path.display()),
+            remedy,
+        ));
     }
-    let mut axes = entry.set.keys().map(|target| set_axis(document, place, target, shorthands)).collect::<Result<Vec<_>>>()?;
+    let mut axes = entry
+        .set
+        .keys()
+        .map(|target| set_axis(document, place, target, shorthands))
+        .collect::<Result<Vec<_>>>()?;
     axes.extend_from_slice(shorthands);
-    Ok(SceneEntry { place: place.to_owned(), document: Document::read(&path)?, axes })
+    Ok(SceneEntry {
+        place: place.to_owned(),
+        document: Document::read(&path)?,
+        axes,
+    })
 }
 
 fn set_axis(document: &Document, place: &str, target: &str, shorthands: &[Axis]) -> Result<Axis> {
     let place = format!("{place}/set{}", locate::step(target));
     if !target.starts_with('/') {
         let remedy = "Write the path of the scene member from the top, e.g. \"/sun/azimuth_deg\".";
-        return Err(document.error_at_key(&place, format!("`{target}` is not a JSON pointer"), remedy));
+        return Err(document.error_at_key(
+            &place,
+            format!("`{target}` is not a JSON pointer"),
+            remedy,
+        ));
     }
     if let Some(other) = shorthands.iter().find(|axis| axis.target == target) {
-        let problem = format!("`{target}` is also given by `{}`", other.place.trim_start_matches('/'));
+        let problem = format!(
+            "`{target}` is also given by `{}`",
+            other.place.trim_start_matches('/')
+        );
         return Err(document.error_at_key(&place, problem, "Keep one of the two."));
     }
-    Ok(Axis { target: target.to_owned(), values: document.one_or_many(&place)?, place })
+    Ok(Axis {
+        target: target.to_owned(),
+        values: document.one_or_many(&place)?,
+        place,
+    })
 }
 
 fn method(document: &Document, place: &str, value: &Value) -> Result<MethodEntry> {
     let remedy = "Write {\"method\": \"id\", \"parameter\": value or list}; `occlab methods` lists ids and parameters.";
-    let entry = |id: &String, id_place, params| MethodEntry { place: place.to_owned(), id: id.clone(), id_place, params };
+    let entry = |id: &String, id_place, params| MethodEntry {
+        place: place.to_owned(),
+        id: id.clone(),
+        id_place,
+        params,
+    };
     let members = match value {
         Value::String(id) => return Ok(entry(id, place.to_owned(), Vec::new())),
         Value::Object(members) => members,
         other => return Err(document.error(place, format!("{other} is not a method"), remedy)),
     };
     let Some(Value::String(id)) = members.get("method") else {
-        return Err(document.error(&format!("{place}/method"), "the method's id is missing or not a string", remedy));
+        return Err(document.error(
+            &format!("{place}/method"),
+            "the method's id is missing or not a string",
+            remedy,
+        ));
     };
     let params = members
         .keys()
         .filter(|name| *name != "method")
-        .map(|name| Ok((name.clone(), document.one_or_many(&format!("{place}{}", locate::step(name)))?)))
+        .map(|name| {
+            Ok((
+                name.clone(),
+                document.one_or_many(&format!("{place}{}", locate::step(name)))?,
+            ))
+        })
         .collect::<Result<_>>()?;
     Ok(entry(id, format!("{place}/method"), params))
 }

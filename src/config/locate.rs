@@ -34,28 +34,44 @@ const STRICT: ParseOptions = ParseOptions {
 
 /// Syntax, duplicate keys and number range; the error is a position and the problem in words.
 pub(super) fn check(text: &str) -> Result<(), (LineCol, String)> {
-    let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT)
-        .map_err(|e| (line_col(text, e.range().start), lower_first(&e.kind().to_string())))?;
-    let root = parsed.value.ok_or_else(|| ((1, 1), "the file is empty".to_owned()))?;
+    let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT).map_err(|e| {
+        (
+            line_col(text, e.range().start),
+            lower_first(&e.kind().to_string()),
+        )
+    })?;
+    let root = parsed
+        .value
+        .ok_or_else(|| ((1, 1), "the file is empty".to_owned()))?;
     check_value(&root).map_err(|(offset, problem)| (line_col(text, offset), problem))
 }
 
 /// The place of `pointer`, or of the deepest ancestor that exists.
 pub(super) fn position(text: &str, pointer: &str, part: Part) -> LineCol {
-    let ast = parse_to_ast(text, &CollectOptions::default(), &STRICT).ok().and_then(|parsed| parsed.value);
-    ast.map_or((1, 1), |root| line_col(text, offset_of(&root, pointer, part)))
+    let ast = parse_to_ast(text, &CollectOptions::default(), &STRICT)
+        .ok()
+        .and_then(|parsed| parsed.value);
+    ast.map_or((1, 1), |root| {
+        line_col(text, offset_of(&root, pointer, part))
+    })
 }
 
 /// Line and column of a byte offset.
 pub(super) fn line_col(text: &str, offset: usize) -> LineCol {
     let before = text.get(..offset).unwrap_or(text);
     let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+    (
+        before.matches('\n').count() + 1,
+        before[line_start..].chars().count() + 1,
+    )
 }
 
 /// The unescaped steps of a JSON pointer.
 pub(super) fn steps(pointer: &str) -> impl Iterator<Item = String> {
-    pointer.split('/').skip(1).map(|step| step.replace("~1", "/").replace("~0", "~"))
+    pointer
+        .split('/')
+        .skip(1)
+        .map(|step| step.replace("~1", "/").replace("~0", "~"))
 }
 
 /// One step of a JSON pointer, escaped, with its slash.
@@ -67,8 +83,21 @@ fn offset_of(root: &Value<'_>, pointer: &str, part: Part) -> usize {
     let (mut node, mut offset) = (root, root.start());
     for name in steps(pointer) {
         let next = match node {
-            Value::Object(object) => object.get(&name).map(|p| (&p.value, if part == Part::Key { p.range.start } else { p.value.start() })),
-            Value::Array(array) => name.parse::<usize>().ok().and_then(|i| array.elements.get(i)).map(|v| (v, v.start())),
+            Value::Object(object) => object.get(&name).map(|p| {
+                (
+                    &p.value,
+                    if part == Part::Key {
+                        p.range.start
+                    } else {
+                        p.value.start()
+                    },
+                )
+            }),
+            Value::Array(array) => name
+                .parse::<usize>()
+                .ok()
+                .and_then(|i| array.elements.get(i))
+                .map(|v| (v, v.start())),
             _ => None,
         };
         let Some((value, start)) = next else {
@@ -83,9 +112,10 @@ fn check_value(value: &Value<'_>) -> Result<(), (usize, String)> {
     match value {
         Value::Object(object) => check_object(object),
         Value::Array(array) => array.elements.iter().try_for_each(check_value),
-        Value::NumberLit(n) if !n.value.parse::<f64>().is_ok_and(f64::is_finite) => {
-            Err((n.range.start, format!("{} is not a finite double-precision number", n.value)))
-        }
+        Value::NumberLit(n) if !n.value.parse::<f64>().is_ok_and(f64::is_finite) => Err((
+            n.range.start,
+            format!("{} is not a finite double-precision number", n.value),
+        )),
         _ => Ok(()),
     }
 }
@@ -95,7 +125,10 @@ fn check_object(object: &Object<'_>) -> Result<(), (usize, String)> {
     for property in &object.properties {
         let name = property.name.as_str();
         if !seen.insert(name) {
-            return Err((property.range.start, format!("the key `{name}` appears twice in the same object")));
+            return Err((
+                property.range.start,
+                format!("the key `{name}` appears twice in the same object"),
+            ));
         }
         check_value(&property.value)?;
     }
@@ -104,7 +137,9 @@ fn check_object(object: &Object<'_>) -> Result<(), (usize, String)> {
 
 fn lower_first(text: &str) -> String {
     let mut chars = text.chars();
-    chars.next().map_or(String::new(), |c| c.to_lowercase().chain(chars).collect())
+    chars
+        .next()
+        .map_or(String::new(), |c| c.to_lowercase().chain(chars).collect())
 }
 
 #[cfg(test)]

@@ -62,7 +62,10 @@ impl Matrix {
 pub fn expand(experiment: &Experiment, catalogue: &dyn MethodCatalogue) -> Result<Matrix> {
     let methods = methods::check(experiment, catalogue)?;
     check_size(experiment, &methods)?;
-    let mut matrix = Matrix { views: Vec::new(), notes: Vec::new() };
+    let mut matrix = Matrix {
+        views: Vec::new(),
+        notes: Vec::new(),
+    };
     let settings = settings(&methods, &mut matrix.notes)?;
     let mut seen = HashSet::new();
     for entry in &experiment.scenes {
@@ -82,9 +85,18 @@ pub fn expand(experiment: &Experiment, catalogue: &dyn MethodCatalogue) -> Resul
                 let first = matrix.views.len() * settings.len();
                 let cells = settings.iter().enumerate();
                 let cells = cells
-                    .map(|(i, (method, params))| CellSpec { index: first + i, method: method.clone(), params: params.clone() })
+                    .map(|(i, (method, params))| CellSpec {
+                        index: first + i,
+                        method: method.clone(),
+                        params: params.clone(),
+                    })
                     .collect();
-                matrix.views.push(View { scene: scene.clone(), scene_set: scene_set.clone(), image: *image, cells });
+                matrix.views.push(View {
+                    scene: scene.clone(),
+                    scene_set: scene_set.clone(),
+                    image: *image,
+                    cells,
+                });
             }
         }
     }
@@ -92,18 +104,31 @@ pub fn expand(experiment: &Experiment, catalogue: &dyn MethodCatalogue) -> Resul
 }
 
 fn count(axes: &[Axis]) -> usize {
-    axes.iter().fold(1, |n, axis| n.saturating_mul(axis.values.len()))
+    axes.iter()
+        .fold(1, |n, axis| n.saturating_mul(axis.values.len()))
 }
 
 fn check_size(experiment: &Experiment, methods: &[MethodAxes]) -> Result<()> {
-    let scenes = experiment.scenes.iter().fold(0_usize, |n, entry| n.saturating_add(count(&entry.axes)));
-    let settings = methods.iter().fold(0_usize, |n, method| n.saturating_add(method.count()));
-    let cells = scenes.saturating_mul(experiment.images.len()).saturating_mul(settings);
+    let scenes = experiment
+        .scenes
+        .iter()
+        .fold(0_usize, |n, entry| n.saturating_add(count(&entry.axes)));
+    let settings = methods
+        .iter()
+        .fold(0_usize, |n, method| n.saturating_add(method.count()));
+    let cells = scenes
+        .saturating_mul(experiment.images.len())
+        .saturating_mul(settings);
     if cells <= MAX_CELLS {
         return Ok(());
     }
-    let problem = format!("{scenes} scenes × {} images × {settings} method settings exceed {MAX_CELLS} cells", experiment.images.len());
-    Err(experiment.document().error("", problem, "Shorten the lists or split the experiment."))
+    let problem = format!(
+        "{scenes} scenes × {} images × {settings} method settings exceed {MAX_CELLS} cells",
+        experiment.images.len()
+    );
+    Err(experiment
+        .document()
+        .error("", problem, "Shorten the lists or split the experiment."))
 }
 
 /// All method settings of a view, without duplicates.
@@ -116,7 +141,11 @@ fn settings(methods: &[MethodAxes], notes: &mut Vec<String>) -> Result<Vec<(Stri
             if seen.insert(key(&(&method.id, &params))?) {
                 all.push((method.id.clone(), params));
             } else {
-                notes.push(format!("{} {} repeats an earlier setting and is dropped", method.id, params_text(&params)));
+                notes.push(format!(
+                    "{} {} repeats an earlier setting and is dropped",
+                    method.id,
+                    params_text(&params)
+                ));
             }
         }
     }
@@ -124,14 +153,24 @@ fn settings(methods: &[MethodAxes], notes: &mut Vec<String>) -> Result<Vec<(Stri
 }
 
 fn key(value: &impl serde::Serialize) -> Result<String> {
-    serde_json::to_string(value).map_err(|e| Error::input("matrix", e.to_string(), "Report this as a defect with the experiment file."))
+    serde_json::to_string(value).map_err(|e| {
+        Error::input(
+            "matrix",
+            e.to_string(),
+            "Report this as a defect with the experiment file.",
+        )
+    })
 }
 
 /// An axis and the value picked from it, with that value's place.
 type Chosen<'a> = (&'a Axis, &'a (String, Value));
 
 /// Combination `n` of a scene's axes, deserialised and validated.
-fn scene_at(experiment: &Experiment, entry: &SceneEntry, mut n: usize) -> Result<(Scene, Map<String, Value>)> {
+fn scene_at(
+    experiment: &Experiment,
+    entry: &SceneEntry,
+    mut n: usize,
+) -> Result<(Scene, Map<String, Value>)> {
     let mut chosen: Vec<Chosen<'_>> = Vec::with_capacity(entry.axes.len());
     for axis in entry.axes.iter().rev() {
         chosen.push((axis, &axis.values[n % axis.values.len()]));
@@ -141,7 +180,9 @@ fn scene_at(experiment: &Experiment, entry: &SceneEntry, mut n: usize) -> Result
     let mut value = entry.document.value().clone();
     if let Some(members) = value.as_object_mut() {
         // Every member of `march` has a default, so that an absent one equals an empty one, whose members can be set.
-        members.entry("march").or_insert_with(|| Value::Object(Map::new()));
+        members
+            .entry("march")
+            .or_insert_with(|| Value::Object(Map::new()));
     }
     let mut scene_set = Map::new();
     for (axis, (_, new)) in &chosen {
@@ -155,9 +196,16 @@ fn scene_at(experiment: &Experiment, entry: &SceneEntry, mut n: usize) -> Result
         })?;
         scene_set.insert(axis.target.clone(), new.clone());
     }
-    let scene = scene_of(&value, entry.document.folder()).map_err(|fault| blame(experiment, entry, &chosen, fault))?;
-    if let (Some(_), Some(axis)) = (scene.march.step_m, entry.axes.iter().find(|axis| axis.target == STEPS_POINTER)) {
-        let problem = format!("{} fixes /march/step_m, so that the number of view steps has no effect", entry.document.path().display());
+    let scene = scene_of(&value, entry.document.folder())
+        .map_err(|fault| blame(experiment, entry, &chosen, fault))?;
+    if let (Some(_), Some(axis)) = (
+        scene.march.step_m,
+        entry.axes.iter().find(|axis| axis.target == STEPS_POINTER),
+    ) {
+        let problem = format!(
+            "{} fixes /march/step_m, so that the number of view steps has no effect",
+            entry.document.path().display()
+        );
         return Err(experiment.document().error_at_key(
             &axis.place,
             problem,
@@ -170,7 +218,9 @@ fn scene_at(experiment: &Experiment, entry: &SceneEntry, mut n: usize) -> Result
 /// Writes `new` at `pointer`; the parent must exist, a member of an object may be created.
 fn set(root: &mut Value, pointer: &str, new: &Value) -> Result<(), String> {
     let (parent, last) = pointer.rsplit_once('/').ok_or("it is empty")?;
-    let last = locate::steps(&format!("/{last}")).next().unwrap_or_default();
+    let last = locate::steps(&format!("/{last}"))
+        .next()
+        .unwrap_or_default();
     match root.pointer_mut(parent) {
         Some(Value::Object(members)) => {
             members.insert(last, new.clone());
@@ -179,7 +229,9 @@ fn set(root: &mut Value, pointer: &str, new: &Value) -> Result<(), String> {
         Some(Value::Array(list)) => {
             let length = list.len();
             let slot = last.parse::<usize>().ok().and_then(|i| list.get_mut(i));
-            slot.map(|slot| *slot = new.clone()).ok_or(format!("the list has {length} elements, `{last}` is none of them"))
+            slot.map(|slot| *slot = new.clone()).ok_or(format!(
+                "the list has {length} elements, `{last}` is none of them"
+            ))
         }
         Some(_) => Err(format!("`{parent}` is neither an object nor a list")),
         None => Err(format!("`{parent}` does not exist")),
@@ -188,24 +240,52 @@ fn set(root: &mut Value, pointer: &str, new: &Value) -> Result<(), String> {
 
 /// Where to report a scene that cannot be used: at the value the experiment sets; in the scene file when that is
 /// broken by itself; else at the value nearest to the fault, or at the entry when good values do not fit together.
-fn blame(experiment: &Experiment, entry: &SceneEntry, chosen: &[Chosen<'_>], fault: Fault) -> Error {
-    let inside = |a: &str, b: &str| a.strip_prefix(b).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
-    let mut guilty = chosen.iter().rev().find(|(axis, _)| inside(&fault.pointer, &axis.target));
+fn blame(
+    experiment: &Experiment,
+    entry: &SceneEntry,
+    chosen: &[Chosen<'_>],
+    fault: Fault,
+) -> Error {
+    let inside = |a: &str, b: &str| {
+        a.strip_prefix(b)
+            .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+    };
+    let mut guilty = chosen
+        .iter()
+        .rev()
+        .find(|(axis, _)| inside(&fault.pointer, &axis.target));
     if guilty.is_none() {
         if let Err(own) = scene_of(entry.document.value(), entry.document.folder()) {
             return entry.document.fault(own);
         }
-        guilty = chosen.iter().rev().find(|(axis, _)| !fault.pointer.is_empty() && inside(&axis.target, &fault.pointer));
+        guilty = chosen
+            .iter()
+            .rev()
+            .find(|(axis, _)| !fault.pointer.is_empty() && inside(&axis.target, &fault.pointer));
     }
     let document = experiment.document();
-    let problem = format!("{} at {} of {}", fault.problem, fault.pointer, entry.document.path().display());
+    let problem = format!(
+        "{} at {} of {}",
+        fault.problem,
+        fault.pointer,
+        entry.document.path().display()
+    );
     match guilty {
         None => document.error(&entry.place, problem, fault.remedy),
         Some((axis, _)) if fault.part == Part::Key && axis.target == fault.pointer => {
             document.error_at_key(&axis.place, problem, fault.remedy)
         }
-        Some((_, (place, _))) if problem.contains("expected an array") || problem.contains("expected a sequence") => {
-            document.error(place, problem, format!("To vary a member that is a list, give a list of lists. {}", fault.remedy))
+        Some((_, (place, _)))
+            if problem.contains("expected an array") || problem.contains("expected a sequence") =>
+        {
+            document.error(
+                place,
+                problem,
+                format!(
+                    "To vary a member that is a list, give a list of lists. {}",
+                    fault.remedy
+                ),
+            )
         }
         Some((_, (place, _))) => document.error(place, problem, fault.remedy),
     }
@@ -213,16 +293,32 @@ fn blame(experiment: &Experiment, entry: &SceneEntry, chosen: &[Chosen<'_>], fau
 
 /// `name=value` of every parameter, for people.
 fn params_text(params: &Params) -> String {
-    params.iter().map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
+    params
+        .iter()
+        .map(|(name, value)| format!("{name}={value}"))
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 fn set_text(set: &Map<String, Value>) -> String {
-    set.iter().map(|(pointer, value)| format!("{pointer}={value}")).collect::<Vec<_>>().join(" ")
+    set.iter()
+        .map(|(pointer, value)| format!("{pointer}={value}"))
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// The dry run: one line a cell, then the count and the notes.
 pub fn describe(matrix: &Matrix) -> String {
-    let header = ["cell", "scene", "sun", "image", "method", "parameters", "set"].map(str::to_owned);
+    let header = [
+        "cell",
+        "scene",
+        "sun",
+        "image",
+        "method",
+        "parameters",
+        "set",
+    ]
+    .map(str::to_owned);
     let mut rows = vec![header];
     for view in &matrix.views {
         for cell in &view.cells {
@@ -237,13 +333,28 @@ pub fn describe(matrix: &Matrix) -> String {
             ]);
         }
     }
-    let widths: Vec<usize> = (0..7).map(|c| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0)).collect();
+    let widths: Vec<usize> = (0..7)
+        .map(|c| {
+            rows.iter()
+                .map(|row| row[c].chars().count())
+                .max()
+                .unwrap_or(0)
+        })
+        .collect();
     let line = |row: &[String; 7]| {
-        let padded: Vec<String> = row.iter().zip(&widths).map(|(text, width)| format!("{text:<width$}")).collect();
+        let padded: Vec<String> = row
+            .iter()
+            .zip(&widths)
+            .map(|(text, width)| format!("{text:<width$}"))
+            .collect();
         padded.join("  ").trim_end().to_owned()
     };
     let mut lines: Vec<String> = rows.iter().map(line).collect();
-    lines.push(format!("{} cells in {} views", matrix.cell_count(), matrix.views.len()));
+    lines.push(format!(
+        "{} cells in {} views",
+        matrix.cell_count(),
+        matrix.views.len()
+    ));
     lines.extend(matrix.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n") + "\n"
 }

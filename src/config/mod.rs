@@ -18,7 +18,9 @@ mod suggest;
 mod tests;
 
 pub use document::{Document, MAX_FILE_BYTES};
-pub use experiment::{Axis, Experiment, MethodEntry, SceneEntry, load_experiment, parse_experiment};
+pub use experiment::{
+    Axis, Experiment, MethodEntry, SceneEntry, load_experiment, parse_experiment,
+};
 pub use matrix::{CellSpec, MAX_CELLS, Matrix, View, describe, expand};
 pub use methods::MethodCatalogue;
 pub use schema::schema;

@@ -58,7 +58,8 @@ fn experiment() -> Value {
 }
 
 fn scene_entry() -> Value {
-    let path = json!({"type": "string", "description": "Scene file, relative to the experiment file."});
+    let path =
+        json!({"type": "string", "description": "Scene file, relative to the experiment file."});
     json!({"anyOf": [path, {
         "type": "object",
         "properties": {
@@ -77,7 +78,10 @@ fn scene_entry() -> Value {
 fn methods(catalogue: &dyn MethodCatalogue) -> Value {
     let ids = catalogue.ids();
     let mut alternatives = vec![json!({"enum": ids, "description": "A method at its defaults."})];
-    alternatives.extend(ids.iter().map(|id| method(id, &catalogue.params(id).unwrap_or_default())));
+    alternatives.extend(
+        ids.iter()
+            .map(|id| method(id, &catalogue.params(id).unwrap_or_default())),
+    );
     json!({"anyOf": alternatives})
 }
 
@@ -90,11 +94,21 @@ fn method(id: &str, specs: &[&'static ParamSpec]) -> Value {
 
 fn param(spec: &ParamSpec) -> Value {
     let (item, default) = match spec.kind {
-        ParamKind::Int { min, max, default } => (json!({"type": "integer", "minimum": min, "maximum": max}), json!(default)),
-        ParamKind::Float { min, max, default } => (json!({"type": "number", "minimum": min, "maximum": max}), json!(default)),
+        ParamKind::Int { min, max, default } => (
+            json!({"type": "integer", "minimum": min, "maximum": max}),
+            json!(default),
+        ),
+        ParamKind::Float { min, max, default } => (
+            json!({"type": "number", "minimum": min, "maximum": max}),
+            json!(default),
+        ),
         ParamKind::Choice { options, default } => (json!({"enum": options}), json!(default)),
     };
-    let unit = if spec.unit.is_empty() { String::new() } else { format!(" Unit: {}.", spec.unit) };
+    let unit = if spec.unit.is_empty() {
+        String::new()
+    } else {
+        format!(" Unit: {}.", spec.unit)
+    };
     let mut schema = described(one_or_many(item), &format!("{}{unit}", spec.doc));
     schema["default"] = default;
     schema

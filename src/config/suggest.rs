@@ -1,20 +1,35 @@
 //! "Did you mean …?" for misspelt names.
 
 /// The candidate nearest to `word`, if it is near enough to be a slip: at most a third of the letters (rounded up) differ.
-pub(super) fn closest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(super) fn closest<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
     let limit = word.chars().count().div_ceil(3);
-    candidates.into_iter().map(|c| (distance(word, c), c)).filter(|(d, _)| *d <= limit).min().map(|(_, c)| c)
+    candidates
+        .into_iter()
+        .map(|c| (distance(word, c), c))
+        .filter(|(d, _)| *d <= limit)
+        .min()
+        .map(|(_, c)| c)
 }
 
 /// A sentence with the suggestion and a following space, or nothing.
 pub(super) fn sentence<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
-    closest(word, candidates).map(|c| format!("Did you mean `{c}`? ")).unwrap_or_default()
+    closest(word, candidates)
+        .map(|c| format!("Did you mean `{c}`? "))
+        .unwrap_or_default()
 }
 
 /// Edits from `a` to `b`: letters inserted, removed, replaced, or two neighbours swapped (optimal string alignment);
 /// upper and lower case alike. Words are cut at 64 characters.
 fn distance(a: &str, b: &str) -> usize {
-    let letters = |s: &str| s.chars().take(64).flat_map(char::to_lowercase).collect::<Vec<_>>();
+    let letters = |s: &str| {
+        s.chars()
+            .take(64)
+            .flat_map(char::to_lowercase)
+            .collect::<Vec<_>>()
+    };
     let (a, b) = (letters(a), letters(b));
     let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
     for i in 1..=a.len() {

@@ -22,28 +22,55 @@ pub(super) struct Bounds<'a> {
 impl<'a> Bounds<'a> {
     pub fn new(noise: &'a Noise, field: &'a Procedural, thresholds: &'a [f64]) -> Self {
         let cell_m = field.shape_tile_m / f64::from(CELLS_PER_TILE);
-        Self { field, thresholds, billow: billow_bounds(&noise.shape), weather: &noise.weather, cell_m }
+        Self {
+            field,
+            thresholds,
+            billow: billow_bounds(&noise.shape),
+            weather: &noise.weather,
+            cell_m,
+        }
     }
 
     pub fn occupancy(&self) -> Occupancy {
-        let low_m = self.field.decks.iter().map(|d| d.base_m).fold(f64::INFINITY, f64::min);
+        let low_m = self
+            .field
+            .decks
+            .iter()
+            .map(|d| d.base_m)
+            .fold(f64::INFINITY, f64::min);
         let high_m = self.field.decks.iter().map(|d| d.top_m).fold(0.0, f64::max);
         let first = (low_m / self.cell_m).floor();
         let layers = ((high_m / self.cell_m).ceil() - first) as usize;
         let across = (self.field.weather_tile_m / self.cell_m).round() as usize;
-        let columns: Vec<Vec<WeatherBound>> =
-            (0..self.field.decks.len()).map(|d| self.weather_bounds(across, d)).collect();
+        let columns: Vec<Vec<WeatherBound>> = (0..self.field.decks.len())
+            .map(|d| self.weather_bounds(across, d))
+            .collect();
         let n = CELLS_PER_TILE as usize;
-        Occupancy::new([across, layers, across], true, [0.0, first * self.cell_m, 0.0], self.cell_m, |x, y, z| {
-            let level = first as usize + y;
-            let billow = self.billow[((z % n) * n + level % n) * n + x % n];
-            self.field.decks.iter().zip(&columns).any(|(deck, columns)| {
-                let weather = columns[z * across + x];
-                let height = |edge: f64| ((edge * self.cell_m - deck.base_m) / (deck.top_m - deck.base_m)) as f32;
-                let gradient = weather.gradient_bound(height(level as f64 - 0.01), height(level as f64 + 1.01));
-                billow * gradient + FILTER_SLACK > 1.0 - weather.coverage
-            })
-        })
+        Occupancy::new(
+            [across, layers, across],
+            true,
+            [0.0, first * self.cell_m, 0.0],
+            self.cell_m,
+            |x, y, z| {
+                let level = first as usize + y;
+                let billow = self.billow[((z % n) * n + level % n) * n + x % n];
+                self.field
+                    .decks
+                    .iter()
+                    .zip(&columns)
+                    .any(|(deck, columns)| {
+                        let weather = columns[z * across + x];
+                        let height = |edge: f64| {
+                            ((edge * self.cell_m - deck.base_m) / (deck.top_m - deck.base_m)) as f32
+                        };
+                        let gradient = weather.gradient_bound(
+                            height(level as f64 - 0.01),
+                            height(level as f64 + 1.01),
+                        );
+                        billow * gradient + FILTER_SLACK > 1.0 - weather.coverage
+                    })
+            },
+        )
     }
 
     /// Bounds of weather over the footprint of every cell column of a deck.
@@ -54,17 +81,27 @@ impl<'a> Bounds<'a> {
         // Texels whose filter footprint touches the cell, one more for rounding.
         let span = |cell: usize| {
             let texel = |edge: f64| (edge / across as f64 + offset) * n as f64 - 0.5;
-            (texel(cell as f64).floor() as usize).saturating_sub(1)..=texel(cell as f64 + 1.0).floor() as usize + 2
+            (texel(cell as f64).floor() as usize).saturating_sub(1)
+                ..=texel(cell as f64 + 1.0).floor() as usize + 2
         };
-        let kind = |v: u8| deck.cloud_type[0] as f32 + (deck.cloud_type[1] - deck.cloud_type[0]) as f32 * f32::from(v) / 255.0;
+        let kind = |v: u8| {
+            deck.cloud_type[0] as f32
+                + (deck.cloud_type[1] - deck.cloud_type[0]) as f32 * f32::from(v) / 255.0
+        };
         let mut bounds = Vec::with_capacity(across * across);
         for z in 0..across {
             for x in 0..across {
-                let mut bound = WeatherBound { coverage: 0.0, type_low: 1.0, type_high: 0.0 };
+                let mut bound = WeatherBound {
+                    coverage: 0.0,
+                    type_low: 1.0,
+                    type_high: 0.0,
+                };
                 for k in span(z) {
                     for i in span(x) {
                         let texel = &self.weather[4 * ((k % n) * n + i % n)..];
-                        let coverage = f32::from(texel[0]) / 255.0 + 2.0 * self.thresholds[deck_index] as f32 - 1.0;
+                        let coverage = f32::from(texel[0]) / 255.0
+                            + 2.0 * self.thresholds[deck_index] as f32
+                            - 1.0;
                         bound.coverage = bound.coverage.max(coverage.clamp(0.0, 1.0));
                         bound.type_low = bound.type_low.min(kind(texel[2]) - FILTER_SLACK);
                         bound.type_high = bound.type_high.max(kind(texel[2]) + FILTER_SLACK);
@@ -86,7 +123,11 @@ struct WeatherBound {
 }
 
 /// The ramps of density/procedural.wgsl, by cloud type 0, 0.5, 1.
-const RAMPS: [[f32; 4]; 3] = [[0.02, 0.05, 0.09, 0.11], [0.02, 0.20, 0.48, 0.625], [0.0, 0.0625, 0.45, 1.0]];
+const RAMPS: [[f32; 4]; 3] = [
+    [0.02, 0.05, 0.09, 0.11],
+    [0.02, 0.20, 0.48, 0.625],
+    [0.0, 0.0625, 0.45, 1.0],
+];
 
 impl WeatherBound {
     /// Largest height gradient over heights `low..high` and all types of the footprint.
@@ -98,14 +139,20 @@ impl WeatherBound {
         let mut ramp = [f32::INFINITY, f32::INFINITY, 0.0_f32, 0.0_f32];
         let mut include = |t: f32| {
             let r = ramp_at(t);
-            ramp = [ramp[0].min(r[0]), ramp[1].min(r[1]), ramp[2].max(r[2]), ramp[3].max(r[3])];
+            ramp = [
+                ramp[0].min(r[0]),
+                ramp[1].min(r[1]),
+                ramp[2].max(r[2]),
+                ramp[3].max(r[3]),
+            ];
         };
         include(self.type_low);
         include(self.type_high);
         if (self.type_low..=self.type_high).contains(&0.5) {
             include(0.5);
         }
-        (smoothstep(ramp[0], ramp[1], high) * (1.0 - smoothstep(ramp[2], ramp[3], low)) + 1e-4).min(1.0)
+        (smoothstep(ramp[0], ramp[1], high) * (1.0 - smoothstep(ramp[2], ramp[3], low)) + 1e-4)
+            .min(1.0)
     }
 }
 

@@ -21,12 +21,18 @@ impl Calibrator {
     pub fn new(gpu: &Gpu, field: &Procedural, container_shader: &'static str) -> Result<Self> {
         let program = Program {
             entry: "noise/columns.wgsl",
-            roles: vec![("container", container_shader), ("density", "density/procedural.wgsl")],
+            roles: vec![
+                ("container", container_shader),
+                ("density", "density/procedural.wgsl"),
+            ],
             defs: defs(field, 1),
         };
         let size = u64::from(CALIBRATION_COLUMNS).pow(2) * 4;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        Ok(Self { kernel: Kernel::new(gpu, &program)?, output: gpu.empty_buffer("columns", size, usage) })
+        Ok(Self {
+            kernel: Kernel::new(gpu, &program)?,
+            output: gpu.empty_buffer("columns", size, usage),
+        })
     }
 
     /// (threshold, measured share), by bisection: coverage grows with the threshold.
@@ -39,7 +45,17 @@ impl Calibrator {
         scene_inputs: &Inputs,
         density_inputs: &Inputs,
     ) -> Result<(f64, f64)> {
-        let measure = |threshold: f64| self.covered(gpu, field, index, deck, threshold, scene_inputs, density_inputs);
+        let measure = |threshold: f64| {
+            self.covered(
+                gpu,
+                field,
+                index,
+                deck,
+                threshold,
+                scene_inputs,
+                density_inputs,
+            )
+        };
         if deck.coverage <= 0.0 {
             return Ok((0.0, measure(0.0)?));
         }
@@ -50,20 +66,30 @@ impl Calibrator {
             }
             return Err(Error::input(
                 format!("scene, at /density/procedural/decks/{index}/coverage"),
-                format!("coverage {} cannot be reached: at most {most:.2} of the columns of this deck become half opaque", deck.coverage),
+                format!(
+                    "coverage {} cannot be reached: at most {most:.2} of the columns of this deck become half opaque",
+                    deck.coverage
+                ),
                 "Make the deck thicker, its type higher, or the extinction larger.",
             ));
         }
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..12 {
             let middle = 0.5 * (low + high);
-            if measure(middle)? < deck.coverage { low = middle } else { high = middle }
+            if measure(middle)? < deck.coverage {
+                low = middle
+            } else {
+                high = middle
+            }
         }
         let threshold = 0.5 * (low + high);
         Ok((threshold, measure(threshold)?))
     }
 
-    #[expect(clippy::too_many_arguments, reason = "a private closure body: the state of one measurement")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a private closure body: the state of one measurement"
+    )]
     fn covered(
         &self,
         gpu: &Gpu,
@@ -75,7 +101,10 @@ impl Calibrator {
         density_inputs: &Inputs,
     ) -> Result<f64> {
         let mut inputs = Inputs::default();
-        inputs.uniform("field", field_values(field, std::slice::from_ref(deck), &[threshold], index));
+        inputs.uniform(
+            "field",
+            field_values(field, std::slice::from_ref(deck), &[threshold], index),
+        );
         inputs.uniform(
             "columns",
             [
@@ -87,15 +116,24 @@ impl Calibrator {
             ],
         );
         inputs.resource("optical_depth", Resource::Buffer(self.output.clone()));
-        let groups = self.kernel.bind(gpu, &[&inputs, scene_inputs, density_inputs])?;
+        let groups = self
+            .kernel
+            .bind(gpu, &[&inputs, scene_inputs, density_inputs])?;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
-            self.kernel.dispatch(&mut pass, &groups, [CALIBRATION_COLUMNS, CALIBRATION_COLUMNS, 1]);
+            self.kernel.dispatch(
+                &mut pass,
+                &groups,
+                [CALIBRATION_COLUMNS, CALIBRATION_COLUMNS, 1],
+            );
         }
         gpu.queue.submit([encoder.finish()]);
         let bytes = read_buffer(gpu, &self.output, u64::from(CALIBRATION_COLUMNS).pow(2) * 4)?;
         let columns: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-        Ok(columns.iter().filter(|tau| **tau > HALF_OPAQUE_TAU).count() as f64 / columns.len() as f64)
+        Ok(
+            columns.iter().filter(|tau| **tau > HALF_OPAQUE_TAU).count() as f64
+                / columns.len() as f64,
+        )
     }
 }

@@ -18,19 +18,29 @@ pub(super) fn build(gpu: &Gpu, scene: &Scene, volume: &Volume) -> Result<Density
     if grid.size.iter().any(|n| *n > limit) {
         return Err(Error::input(
             volume.path.display().to_string(),
-            format!("the volume is {:?} voxels, the adapter's limit is {limit} an axis", grid.size),
+            format!(
+                "the volume is {:?} voxels, the adapter's limit is {limit} an axis",
+                grid.size
+            ),
             "Crop or downsample it, or use another adapter.",
         ));
     }
     let Container::Box { min_m, max_m } = scene.container else {
-        return Err(Error::input("scene", "a volume needs a box container", "Use a `box` container."));
+        return Err(Error::input(
+            "scene",
+            "a volume needs a box container",
+            "Use a `box` container.",
+        ));
     };
     let occupancy = occupancy_of(&grid, min_m, max_m);
     let mut inputs = Inputs::default();
     inputs.resource("volume", Resource::View(upload(gpu, &grid)));
     inputs.uniform(
         "field",
-        [("low_m", UniformValue::Vec3(min_m.map(|v| v as f32))), ("high_m", UniformValue::Vec3(max_m.map(|v| v as f32)))],
+        [
+            ("low_m", UniformValue::Vec3(min_m.map(|v| v as f32))),
+            ("high_m", UniformValue::Vec3(max_m.map(|v| v as f32))),
+        ],
     );
     occupancy.upload(gpu, &mut inputs);
     gpu.check()?;
@@ -38,14 +48,21 @@ pub(super) fn build(gpu: &Gpu, scene: &Scene, volume: &Volume) -> Result<Density
         shader: "density/volume.wgsl",
         defs: Defs::new(),
         inputs,
-        built: Built { empty_fraction: Some(occupancy.empty_fraction()), ..Built::default() },
+        built: Built {
+            empty_fraction: Some(occupancy.empty_fraction()),
+            ..Built::default()
+        },
         content_hash: grid.hash.to_string(),
     })
 }
 
 fn upload(gpu: &Gpu, grid: &Grid) -> wgpu::TextureView {
     let [width, height, depth] = grid.size;
-    let size = wgpu::Extent3d { width, height, depth_or_array_layers: depth };
+    let size = wgpu::Extent3d {
+        width,
+        height,
+        depth_or_array_layers: depth,
+    };
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("volume"),
         size,
@@ -56,8 +73,17 @@ fn upload(gpu: &Gpu, grid: &Grid) -> wgpu::TextureView {
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) };
-    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&grid.values), layout, size);
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * width),
+        rows_per_image: Some(height),
+    };
+    gpu.queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(&grid.values),
+        layout,
+        size,
+    );
     texture.create_view(&Default::default())
 }
 

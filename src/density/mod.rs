@@ -38,7 +38,12 @@ pub struct Built {
 
 impl DensityField {
     /// Builds the field of `scene`; `scene_inputs` supplies container and medium to the calibration pass.
-    pub fn new(gpu: &Gpu, scene: &Scene, container_shader: &'static str, scene_inputs: &Inputs) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        container_shader: &'static str,
+        scene_inputs: &Inputs,
+    ) -> Result<Self> {
         match &scene.density {
             Density::Uniform { value } => Ok(uniform(*value)),
             Density::Procedural(p) => procedural::build(gpu, p, container_shader, scene_inputs),

@@ -21,20 +21,35 @@ pub struct Occupancy {
 
 impl Occupancy {
     /// From a conservative predicate over cells (`true` = may hold medium).
-    pub fn new(size: [usize; 3], wrap: bool, origin_m: [f64; 3], cell_m: f64, occupied: impl Fn(usize, usize, usize) -> bool + Sync) -> Self {
+    pub fn new(
+        size: [usize; 3],
+        wrap: bool,
+        origin_m: [f64; 3],
+        cell_m: f64,
+        occupied: impl Fn(usize, usize, usize) -> bool + Sync,
+    ) -> Self {
         let [nx, ny, _] = size;
         let mut rings = vec![255_u8; size.iter().product()];
-        rings.par_chunks_mut(nx * ny).enumerate().for_each(|(z, slab)| {
-            for (y, row) in slab.chunks_mut(nx).enumerate() {
-                for (x, cell) in row.iter_mut().enumerate() {
-                    if occupied(x, y, z) {
-                        *cell = 0;
+        rings
+            .par_chunks_mut(nx * ny)
+            .enumerate()
+            .for_each(|(z, slab)| {
+                for (y, row) in slab.chunks_mut(nx).enumerate() {
+                    for (x, cell) in row.iter_mut().enumerate() {
+                        if occupied(x, y, z) {
+                            *cell = 0;
+                        }
                     }
                 }
-            }
-        });
+            });
         spread_rings(&mut rings, size, wrap);
-        Self { size, wrap, origin_m, cell_m, rings }
+        Self {
+            size,
+            wrap,
+            origin_m,
+            cell_m,
+            rings,
+        }
     }
 
     /// Share of cells that are provably empty.
@@ -53,7 +68,10 @@ impl Occupancy {
             [
                 ("size", UniformValue::IVec3(self.size.map(|n| n as i32))),
                 ("wrap", UniformValue::U32(self.wrap.into())),
-                ("origin_m", UniformValue::Vec3(self.origin_m.map(|v| v as f32))),
+                (
+                    "origin_m",
+                    UniformValue::Vec3(self.origin_m.map(|v| v as f32)),
+                ),
                 ("cell_m", UniformValue::F32(self.cell_m as f32)),
             ],
         );
@@ -61,7 +79,7 @@ impl Occupancy {
 }
 
 /// Chebyshev distance transform, one axis after the other: d(i) = min over j of max(|i − j|, d(j)).
-fn spread_rings(rings: &mut Vec<u8>, [nx, ny, nz]: [usize; 3], wrap: bool) {
+fn spread_rings(rings: &mut [u8], [nx, ny, nz]: [usize; 3], wrap: bool) {
     rings.par_chunks_mut(nx * ny).for_each(|slab| {
         for row in slab.chunks_mut(nx) {
             let line = row.to_vec();
@@ -74,20 +92,27 @@ fn spread_rings(rings: &mut Vec<u8>, [nx, ny, nz]: [usize; 3], wrap: bool) {
             }
         }
     });
-    let source = rings.clone();
-    rings.par_chunks_mut(nx * ny).enumerate().for_each(|(z, slab)| {
-        for (i, cell) in slab.iter_mut().enumerate() {
-            *cell = nearest(z, nz, wrap, |k| source[k * nx * ny + i]);
-        }
-    });
+    let source = rings.to_vec();
+    rings
+        .par_chunks_mut(nx * ny)
+        .enumerate()
+        .for_each(|(z, slab)| {
+            for (i, cell) in slab.iter_mut().enumerate() {
+                *cell = nearest(z, nz, wrap, |k| source[k * nx * ny + i]);
+            }
+        });
 }
 
 fn nearest(at: usize, n: usize, wrap: bool, value: impl Fn(usize) -> u8) -> u8 {
     let mut best = usize::from(value(at));
     let mut distance = 1;
     while distance < best && distance < n {
-        let low = at.checked_sub(distance).or_else(|| wrap.then(|| at + n - distance));
-        let high = Some(at + distance).filter(|i| *i < n).or_else(|| wrap.then(|| (at + distance) % n));
+        let low = at
+            .checked_sub(distance)
+            .or_else(|| wrap.then(|| at + n - distance));
+        let high = Some(at + distance)
+            .filter(|i| *i < n)
+            .or_else(|| wrap.then(|| (at + distance) % n));
         for i in [low, high].into_iter().flatten() {
             best = best.min(usize::from(value(i)).max(distance));
         }
@@ -101,7 +126,12 @@ mod tests {
     use super::*;
 
     /// Distance to the nearest occupied cell by looking at all of them.
-    fn brute(size: [usize; 3], wrap: bool, occupied: &dyn Fn(usize, usize, usize) -> bool, at: [usize; 3]) -> usize {
+    fn brute(
+        size: [usize; 3],
+        wrap: bool,
+        occupied: &dyn Fn(usize, usize, usize) -> bool,
+        at: [usize; 3],
+    ) -> usize {
         let gap = |a: usize, b: usize, n: usize, wrap: bool| {
             let d = a.abs_diff(b);
             if wrap { d.min(n - d) } else { d }
@@ -111,7 +141,9 @@ mod tests {
             for y in 0..size[1] {
                 for x in 0..size[0] {
                     if occupied(x, y, z) {
-                        let d = gap(at[0], x, size[0], wrap).max(gap(at[1], y, size[1], false)).max(gap(at[2], z, size[2], wrap));
+                        let d = gap(at[0], x, size[0], wrap)
+                            .max(gap(at[1], y, size[1], false))
+                            .max(gap(at[2], z, size[2], wrap));
                         best = best.min(d);
                     }
                 }
@@ -128,7 +160,11 @@ mod tests {
             let grid = Occupancy::new(size, wrap, [0.0; 3], 1.0, occupied);
             for (i, ring) in grid.rings.iter().enumerate() {
                 let at = [i % 9, i / 9 % 5, i / 45];
-                assert_eq!(usize::from(*ring), brute(size, wrap, &occupied, at), "cell {at:?}, wrap {wrap}");
+                assert_eq!(
+                    usize::from(*ring),
+                    brute(size, wrap, &occupied, at),
+                    "cell {at:?}, wrap {wrap}"
+                );
             }
         }
     }

@@ -29,7 +29,8 @@ pub(super) fn build(
     let mut thresholds = Vec::new();
     let mut measured_coverage = Vec::new();
     for (i, deck) in field.decks.iter().enumerate() {
-        let (threshold, measured) = calibrator.threshold(gpu, field, i, deck, scene_inputs, &inputs)?;
+        let (threshold, measured) =
+            calibrator.threshold(gpu, field, i, deck, scene_inputs, &inputs)?;
         thresholds.push(threshold);
         measured_coverage.push(measured);
     }
@@ -41,7 +42,11 @@ pub(super) fn build(
         shader: "density/procedural.wgsl",
         defs: defs(field, field.decks.len()),
         inputs,
-        built: Built { noise_ms: Some(noise_ms), empty_fraction: Some(occupancy.empty_fraction()), measured_coverage },
+        built: Built {
+            noise_ms: Some(noise_ms),
+            empty_fraction: Some(occupancy.empty_fraction()),
+            measured_coverage,
+        },
         content_hash: String::new(),
     })
 }
@@ -58,19 +63,42 @@ pub(super) fn defs(field: &Procedural, decks: usize) -> Defs {
 }
 
 /// Members of `Field` in density/procedural.wgsl; deck i of the list is deck `first + i` of the scene.
-pub(super) fn field_values(field: &Procedural, decks: &[Deck], thresholds: &[f64], first: usize) -> Vec<(String, UniformValue)> {
+pub(super) fn field_values(
+    field: &Procedural,
+    decks: &[Deck],
+    thresholds: &[f64],
+    first: usize,
+) -> Vec<(String, UniformValue)> {
     let number = |v: f64| UniformValue::F32(v as f32);
     let mut values = vec![
-        ("weather_frequency_per_m".to_owned(), number(1.0 / field.weather_tile_m)),
-        ("shape_frequency_per_m".to_owned(), number(1.0 / field.shape_tile_m)),
-        ("precipitation_gain".to_owned(), number(field.precipitation_gain.unwrap_or(0.0))),
+        (
+            "weather_frequency_per_m".to_owned(),
+            number(1.0 / field.weather_tile_m),
+        ),
+        (
+            "shape_frequency_per_m".to_owned(),
+            number(1.0 / field.shape_tile_m),
+        ),
+        (
+            "precipitation_gain".to_owned(),
+            number(field.precipitation_gain.unwrap_or(0.0)),
+        ),
     ];
     if let Some(detail) = &field.detail {
-        values.push(("detail_frequency_per_m".to_owned(), number(1.0 / detail.tile_m)));
+        values.push((
+            "detail_frequency_per_m".to_owned(),
+            number(1.0 / detail.tile_m),
+        ));
         values.push(("detail_strength".to_owned(), number(detail.strength)));
     }
     for (i, (deck, threshold)) in decks.iter().zip(thresholds).enumerate() {
-        let profile = [deck.base_m, deck.top_m, deck.cloud_type[0], deck.cloud_type[1]].map(|v| v as f32);
+        let profile = [
+            deck.base_m,
+            deck.top_m,
+            deck.cloud_type[0],
+            deck.cloud_type[1],
+        ]
+        .map(|v| v as f32);
         let cover = [*threshold, weather_offset(first + i)].map(|v| v as f32);
         values.push((format!("decks[{i}].profile"), UniformValue::Vec4(profile)));
         values.push((format!("decks[{i}].cover"), UniformValue::Vec2(cover)));
@@ -92,18 +120,47 @@ pub(super) struct Noise {
 
 impl Noise {
     fn generate(gpu: &Gpu, field: &Procedural) -> Result<Self> {
-        let cube = |n: u32| wgpu::Extent3d { width: n, height: n, depth_or_array_layers: n };
-        let flat = wgpu::Extent3d { width: WEATHER_TEXELS, height: WEATHER_TEXELS, depth_or_array_layers: 1 };
-        let shape = noise_texture(gpu, "noise/shape.wgsl", cube(SHAPE_TEXELS), wgpu::TextureDimension::D3, field.seed)?;
-        let weather = noise_texture(gpu, "noise/weather.wgsl", flat, wgpu::TextureDimension::D2, field.seed)?;
+        let cube = |n: u32| wgpu::Extent3d {
+            width: n,
+            height: n,
+            depth_or_array_layers: n,
+        };
+        let flat = wgpu::Extent3d {
+            width: WEATHER_TEXELS,
+            height: WEATHER_TEXELS,
+            depth_or_array_layers: 1,
+        };
+        let shape = noise_texture(
+            gpu,
+            "noise/shape.wgsl",
+            cube(SHAPE_TEXELS),
+            wgpu::TextureDimension::D3,
+            field.seed,
+        )?;
+        let weather = noise_texture(
+            gpu,
+            "noise/weather.wgsl",
+            flat,
+            wgpu::TextureDimension::D2,
+            field.seed,
+        )?;
         let view = |t: &wgpu::Texture| t.create_view(&Default::default());
         let mut views = vec![("shape", view(&shape)), ("weather", view(&weather))];
         if field.detail.is_some() {
-            let detail =
-                noise_texture(gpu, "noise/detail.wgsl", cube(DETAIL_TEXELS), wgpu::TextureDimension::D3, field.seed)?;
+            let detail = noise_texture(
+                gpu,
+                "noise/detail.wgsl",
+                cube(DETAIL_TEXELS),
+                wgpu::TextureDimension::D3,
+                field.seed,
+            )?;
             views.push(("detail", view(&detail)));
         }
-        Ok(Self { views, shape: read_texture(gpu, &shape)?, weather: read_texture(gpu, &weather)? })
+        Ok(Self {
+            views,
+            shape: read_texture(gpu, &shape)?,
+            weather: read_texture(gpu, &weather)?,
+        })
     }
 
     fn inputs(&self, gpu: &Gpu) -> Inputs {
@@ -133,7 +190,14 @@ fn noise_texture(
     dimension: wgpu::TextureDimension,
     seed: u32,
 ) -> Result<wgpu::Texture> {
-    let kernel = Kernel::new(gpu, &Program { entry, roles: vec![], defs: Defs::new() })?;
+    let kernel = Kernel::new(
+        gpu,
+        &Program {
+            entry,
+            roles: vec![],
+            defs: Defs::new(),
+        },
+    )?;
     // COPY_DST for the same reason as the light maps: a render pass that zeroes the texture spoils later timestamps.
     let usage = wgpu::TextureUsages::STORAGE_BINDING
         | wgpu::TextureUsages::TEXTURE_BINDING
@@ -150,13 +214,20 @@ fn noise_texture(
         view_formats: &[],
     });
     let mut inputs = Inputs::default();
-    inputs.resource("texels", Resource::View(texture.create_view(&Default::default())));
+    inputs.resource(
+        "texels",
+        Resource::View(texture.create_view(&Default::default())),
+    );
     inputs.uniform("noise", [("seed", UniformValue::U32(seed))]);
     let groups = kernel.bind(gpu, &[&inputs])?;
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     {
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        kernel.dispatch(&mut pass, &groups, [size.width, size.height, size.depth_or_array_layers]);
+        kernel.dispatch(
+            &mut pass,
+            &groups,
+            [size.width, size.height, size.depth_or_array_layers],
+        );
     }
     gpu.queue.submit([encoder.finish()]);
     gpu.wait()?;

@@ -19,8 +19,7 @@ pub const MAX_VOXELS: u64 = 1 << 31;
 const MAX_HEADER_BYTES: usize = 1 << 16;
 /// Most brackets in a header: three axes need two pairs, and deep nesting would exhaust the parser's stack.
 const MAX_BRACKETS: usize = 64;
-const SAVE_REMEDY: &str =
-    "Save it with numpy.save(path, numpy.ascontiguousarray(a, dtype=numpy.float32)), three axes, values finite and 0 or more.";
+const SAVE_REMEDY: &str = "Save it with numpy.save(path, numpy.ascontiguousarray(a, dtype=numpy.float32)), three axes, values finite and 0 or more.";
 
 /// A density grid in world order.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,21 +37,43 @@ pub fn load(volume: &Volume) -> Result<Grid> {
     let axes = Axes::new(volume)?;
     let file = File::open(&volume.path).map_err(Error::reading(&volume.path))?;
     let file_bytes = file.metadata().map_err(Error::reading(&volume.path))?.len();
-    let mut reader = BufReader::with_capacity(1 << 20, Hashing { inner: file, hasher: blake3::Hasher::new() });
+    let mut reader = BufReader::with_capacity(
+        1 << 20,
+        Hashing {
+            inner: file,
+            hasher: blake3::Hasher::new(),
+        },
+    );
     let (shape, header_bytes) = preflight(&volume.path, &mut reader)?;
-    let header = NpyHeader::from_reader(&mut reader).map_err(|e| bad_header(&volume.path, e.to_string()))?;
+    let header =
+        NpyHeader::from_reader(&mut reader).map_err(|e| bad_header(&volume.path, e.to_string()))?;
     if header.shape() != shape.map(u64::from) {
-        return Err(bad_header(&volume.path, "the shape is written in an unusual way"));
+        return Err(bad_header(
+            &volume.path,
+            "the shape is written in an unusual way",
+        ));
     }
     if header.order() == Order::Fortran {
         let remedy = "Save numpy.ascontiguousarray(a) instead, in C order.";
-        return Err(Error::input(place(&volume.path, "header"), "the array is in Fortran order", remedy));
+        return Err(Error::input(
+            place(&volume.path, "header"),
+            "the array is in Fortran order",
+            remedy,
+        ));
     }
     let read = reader_for(&volume.path, &header)?;
-    check_length(&volume.path, &header, file_bytes - header_bytes.min(file_bytes))?;
+    check_length(
+        &volume.path,
+        &header,
+        file_bytes - header_bytes.min(file_bytes),
+    )?;
     let npy = NpyFile::with_header(header, &mut reader);
     let values = read(npy, &axes, shape, &volume.path)?;
-    Ok(Grid { size: axes.world(shape), values, hash: reader.into_inner().hasher.finalize() })
+    Ok(Grid {
+        size: axes.world(shape),
+        values,
+        hash: reader.into_inner().hasher.finalize(),
+    })
 }
 
 /// Which array axis is which world axis.
@@ -68,7 +89,11 @@ impl Axes {
             1 => [2, 1, 0],
             2 => [1, 2, 0],
             other => {
-                return Err(Error::input(place(&volume.path, "up_axis"), format!("up_axis is {other}"), "Give 0, 1 or 2."));
+                return Err(Error::input(
+                    place(&volume.path, "up_axis"),
+                    format!("up_axis is {other}"),
+                    "Give 0, 1 or 2.",
+                ));
             }
         };
         Ok(Self { array })
@@ -80,8 +105,11 @@ impl Axes {
 
     /// `[z=3][y=0][x=7]` for array indices.
     fn element(&self, index: [u32; 3]) -> String {
-        let name = |axis: usize| ["x", "y", "z"][self.array.iter().position(|a| *a == axis).unwrap_or(0)];
-        (0..3).map(|axis| format!("[{}={}]", name(axis), index[axis])).collect()
+        let name =
+            |axis: usize| ["x", "y", "z"][self.array.iter().position(|a| *a == axis).unwrap_or(0)];
+        (0..3)
+            .map(|axis| format!("[{}={}]", name(axis), index[axis]))
+            .collect()
     }
 }
 
@@ -120,7 +148,10 @@ fn preflight(path: &Path, reader: Source<'_>) -> Result<([u32; 3], u64)> {
     reader.read_exact(&mut length[..length_bytes]).map_err(io)?;
     let length = u32::from_le_bytes(length) as usize;
     if length > MAX_HEADER_BYTES {
-        return Err(bad_header(path, format!("the header claims {length} bytes")));
+        return Err(bad_header(
+            path,
+            format!("the header claims {length} bytes"),
+        ));
     }
     let mut text = vec![0; length];
     reader.read_exact(&mut text).map_err(io)?;
@@ -129,7 +160,10 @@ fn preflight(path: &Path, reader: Source<'_>) -> Result<([u32; 3], u64)> {
         return Err(bad_header(path, "the header is nested too deeply"));
     }
     if text.matches(':').count() > 3 {
-        return Err(bad_header(path, "the header has more than descr, fortran_order and shape"));
+        return Err(bad_header(
+            path,
+            "the header has more than descr, fortran_order and shape",
+        ));
     }
     rewind(reader).map_err(Error::reading(path))?;
     Ok((shape_in(path, &text)?, (8 + length_bytes + length) as u64))
@@ -140,18 +174,34 @@ fn rewind(reader: Source<'_>) -> std::io::Result<()> {
     let capacity = reader.capacity();
     let mut file = reader.get_ref().inner.try_clone()?;
     file.seek(SeekFrom::Start(0))?;
-    *reader = BufReader::with_capacity(capacity, Hashing { inner: file, hasher: blake3::Hasher::new() });
+    *reader = BufReader::with_capacity(
+        capacity,
+        Hashing {
+            inner: file,
+            hasher: blake3::Hasher::new(),
+        },
+    );
     Ok(())
 }
 
 /// The three axes of `'shape': (a, b, c)`, each 1…[`MAX_AXIS`], at most [`MAX_VOXELS`] together.
 fn shape_in(path: &Path, header: &str) -> Result<[u32; 3]> {
-    let axes = header.split_once("'shape'").and_then(|(_, rest)| rest.split_once('(')).and_then(|(_, rest)| rest.split_once(')'));
+    let axes = header
+        .split_once("'shape'")
+        .and_then(|(_, rest)| rest.split_once('('))
+        .and_then(|(_, rest)| rest.split_once(')'));
     let (axes, _) = axes.ok_or_else(|| bad_header(path, "there is no shape"))?;
-    let axes: Vec<&str> = axes.split(',').map(str::trim).filter(|axis| !axis.is_empty()).collect();
+    let axes: Vec<&str> = axes
+        .split(',')
+        .map(str::trim)
+        .filter(|axis| !axis.is_empty())
+        .collect();
     let wrong = |problem: String| Error::input(place(path, "header, shape"), problem, SAVE_REMEDY);
     if axes.len() != 3 {
-        return Err(wrong(format!("the array has {} axes, a volume has 3", axes.len())));
+        return Err(wrong(format!(
+            "the array has {} axes, a volume has 3",
+            axes.len()
+        )));
     }
     let mut shape = [0; 3];
     for (i, text) in axes.iter().enumerate() {
@@ -159,11 +209,17 @@ fn shape_in(path: &Path, header: &str) -> Result<[u32; 3]> {
             .parse()
             .ok()
             .filter(|n| (1..=MAX_AXIS).contains(n))
-            .ok_or_else(|| wrong(format!("axis {i} has {text} voxels, allowed is 1…{MAX_AXIS}")))?;
+            .ok_or_else(|| {
+                wrong(format!(
+                    "axis {i} has {text} voxels, allowed is 1…{MAX_AXIS}"
+                ))
+            })?;
     }
     let voxels = shape.iter().map(|n| u64::from(*n)).product::<u64>();
     if voxels > MAX_VOXELS {
-        return Err(wrong(format!("{voxels} voxels, at most {MAX_VOXELS} are read")));
+        return Err(wrong(format!(
+            "{voxels} voxels, at most {MAX_VOXELS} are read"
+        )));
     }
     Ok(shape)
 }
@@ -175,7 +231,10 @@ fn check_length(path: &Path, header: &NpyHeader, data_bytes: u64) -> Result<()> 
     let (word, remedy) = match data_bytes.cmp(&expected) {
         std::cmp::Ordering::Equal => return Ok(()),
         std::cmp::Ordering::Less => ("only ", "The file is truncated: copy or save it again."),
-        std::cmp::Ordering::Greater => ("", "Save one array to a file; numpy.load would ignore the rest."),
+        std::cmp::Ordering::Greater => (
+            "",
+            "Save one array to a file; numpy.load would ignore the rest.",
+        ),
     };
     let problem = format!(
         "the header announces {expected} bytes of data ({} voxels of {voxel_bytes}), the file has {word}{data_bytes}",
@@ -199,8 +258,15 @@ fn reader_for<'a>(path: &Path, header: &NpyHeader) -> Result<ReadFn<'a>> {
         (TypeChar::Float, 8) => Ok(read_values::<f64>),
         (TypeChar::Uint, 1) => Ok(read_values::<u8>),
         _ => {
-            let problem = format!("values are of type {}, allowed are f16, f32, f64 and u8", dtype.descr());
-            Err(Error::input(place(path, "header, descr"), problem, SAVE_REMEDY))
+            let problem = format!(
+                "values are of type {}, allowed are f16, f32, f64 and u8",
+                dtype.descr()
+            );
+            Err(Error::input(
+                place(path, "header, descr"),
+                problem,
+                SAVE_REMEDY,
+            ))
         }
     }
 }
@@ -215,18 +281,29 @@ fn read_values<'a, T: npyz::Deserialize + Into<f64>>(
     let voxels = shape.iter().map(|n| *n as usize).product();
     let mut values: Vec<f32> = Vec::new();
     values.try_reserve_exact(voxels).map_err(|e| {
-        Error::input(path.display().to_string(), format!("no memory for {voxels} voxels ({e})"), "Crop or coarsen the volume.")
+        Error::input(
+            path.display().to_string(),
+            format!("no memory for {voxels} voxels ({e})"),
+            "Crop or coarsen the volume.",
+        )
     })?;
     values.resize(voxels, 0.0);
     let [nx, ny, _] = axes.world(shape).map(|n| n as usize);
-    let mut data = npy.data::<T>().map_err(|e| bad_header(path, e.to_string()))?;
+    let mut data = npy
+        .data::<T>()
+        .map_err(|e| bad_header(path, e.to_string()))?;
     for a in 0..shape[0] {
         for b in 0..shape[1] {
             for c in 0..shape[2] {
                 let index = [a, b, c];
-                let value = data.next().unwrap_or_else(|| Err(std::io::ErrorKind::UnexpectedEof.into())).map_err(Error::reading(path))?;
+                let value = data
+                    .next()
+                    .unwrap_or_else(|| Err(std::io::ErrorKind::UnexpectedEof.into()))
+                    .map_err(Error::reading(path))?;
                 let [x, y, z] = axes.world(index).map(|i| i as usize);
-                values[x + nx * (y + ny * z)] = density(value.into(), || place(path, &format!("element {}", axes.element(index))))?;
+                values[x + nx * (y + ny * z)] = density(value.into(), || {
+                    place(path, &format!("element {}", axes.element(index)))
+                })?;
             }
         }
     }
@@ -240,11 +317,20 @@ fn density(value: f64, place: impl Fn() -> String) -> Result<f32> {
         return Ok(narrow);
     }
     let (problem, remedy) = if value.is_nan() {
-        (format!("the value is {value}"), "Replace it: numpy.nan_to_num(a).")
+        (
+            format!("the value is {value}"),
+            "Replace it: numpy.nan_to_num(a).",
+        )
     } else if value < 0.0 {
-        (format!("the density {value} is negative"), "Clip it: numpy.maximum(a, 0).")
+        (
+            format!("the density {value} is negative"),
+            "Clip it: numpy.maximum(a, 0).",
+        )
     } else {
-        (format!("the density {value} is too large for f32"), "Replace infinities and scale the array.")
+        (
+            format!("the density {value} is too large for f32"),
+            "Replace infinities and scale the array.",
+        )
     };
     Err(Error::input(place(), problem, remedy))
 }

@@ -9,8 +9,14 @@ use std::path::Path;
 ///
 /// A reader sees the old content or the new, never a half; when `fill` fails nothing is left behind. The data is
 /// on the disk before the name is, so that a resumed batch may trust a file that exists.
-pub(crate) fn write_atomic(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>) -> Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+pub(crate) fn write_atomic(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
+) -> Result<()> {
+    let folder = path
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".occlab-").suffix(".part");
     #[cfg(unix)]
@@ -23,8 +29,13 @@ pub(crate) fn write_atomic(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>)
     fill(&mut buffer)?;
     buffer.flush().map_err(Error::writing(path))?;
     drop(buffer);
-    temporary.as_file().sync_all().map_err(Error::writing(path))?;
-    temporary.persist(path).map_err(|e| Error::writing(path)(e.error))?;
+    temporary
+        .as_file()
+        .sync_all()
+        .map_err(Error::writing(path))?;
+    temporary
+        .persist(path)
+        .map_err(|e| Error::writing(path)(e.error))?;
     Ok(())
 }
 
@@ -51,7 +62,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.bin");
         for content in [&b"first"[..], b"second, longer"] {
-            write_atomic(&path, |file| file.write_all(content).map_err(Error::writing(&path))).unwrap();
+            write_atomic(&path, |file| {
+                file.write_all(content).map_err(Error::writing(&path))
+            })
+            .unwrap();
             assert_eq!(std::fs::read(&path).unwrap(), content);
         }
     }
@@ -72,6 +86,11 @@ mod tests {
     fn missing_folder_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("none").join("a.bin");
-        assert!(write_atomic(&path, |_| Ok(())).unwrap_err().to_string().contains("a.bin"));
+        assert!(
+            write_atomic(&path, |_| Ok(()))
+                .unwrap_err()
+                .to_string()
+                .contains("a.bin")
+        );
     }
 }

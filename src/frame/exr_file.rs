@@ -4,8 +4,9 @@ use super::atomic::write_atomic;
 use super::{Frame, check_size, shown};
 use crate::error::{Error, Result};
 use exr::prelude::{
-    Blocks, ChannelDescription, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, MetaData,
-    ReadChannels, ReadLayers, ReadSpecificChannel, SpecificChannels, Text, Vec2, WritableImage,
+    Blocks, ChannelDescription, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder,
+    MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, SpecificChannels, Text, Vec2,
+    WritableImage,
 };
 use std::path::Path;
 
@@ -37,11 +38,27 @@ pub fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
             let ([r, g, b, a], [sr, sg, sb, v]) = (frame.radiance[index], frame.sun[index]);
             (r, g, b, a, sr, sg, sb, v)
         });
-    let encoding =
-        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-    let attributes = LayerAttributes { software_name: Some(Text::from("occlab")), ..LayerAttributes::default() };
-    let image = Image::from_layer(Layer::new((width, frame.height as usize), attributes, encoding, channels));
-    write_atomic(path, |file| image.write().to_buffered(file).map_err(|e| failed(path, e, Error::writing)))
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let attributes = LayerAttributes {
+        software_name: Some(Text::from("occlab")),
+        ..LayerAttributes::default()
+    };
+    let image = Image::from_layer(Layer::new(
+        (width, frame.height as usize),
+        attributes,
+        encoding,
+        channels,
+    ));
+    write_atomic(path, |file| {
+        image
+            .write()
+            .to_buffered(file)
+            .map_err(|e| failed(path, e, Error::writing))
+    })
 }
 
 /// Reads an OpenEXR file: ours, or any with channels `R`, `G`, `B` and optionally `A` (half, float or unsigned int).
@@ -77,48 +94,96 @@ struct Loading {
 }
 
 /// What the reader tells about the channels it found.
-type Found = (ChannelDescription, ChannelDescription, ChannelDescription, Maybe, Maybe, Maybe, Maybe, Maybe);
+type Found = (
+    ChannelDescription,
+    ChannelDescription,
+    ChannelDescription,
+    Maybe,
+    Maybe,
+    Maybe,
+    Maybe,
+    Maybe,
+);
 
 /// Memory for a file whose size passed [`check_headers`].
 fn create(size: Vec2<usize>, found: &Found) -> Loading {
     // Two fresh planes, not a clone: zeroed pages cost nothing until a pixel arrives, even if the header lied.
     let plane = || vec![[0.0; 4]; size.area()];
-    let frame = Frame { width: size.x() as u32, height: size.y() as u32, radiance: plane(), sun: plane() };
-    Loading { frame, has_sun: found.4.is_some() && found.5.is_some() && found.6.is_some() }
+    let frame = Frame {
+        width: size.x() as u32,
+        height: size.y() as u32,
+        radiance: plane(),
+        sun: plane(),
+    };
+    Loading {
+        frame,
+        has_sun: found.4.is_some() && found.5.is_some() && found.6.is_some(),
+    }
 }
 
 /// Stores one pixel.
 fn set(loading: &mut Loading, at: Vec2<usize>, (r, g, b, a, sr, sg, sb, v): Pixel) {
     let index = at.y() * loading.frame.width as usize + at.x();
     loading.frame.radiance[index] = [r, g, b, a];
-    loading.frame.sun[index] = if loading.has_sun { [sr, sg, sb, v] } else { [r, g, b, 0.0] };
+    loading.frame.sun[index] = if loading.has_sun {
+        [sr, sg, sb, v]
+    } else {
+        [r, g, b, 0.0]
+    };
 }
 
 /// Refuses a file by its headers, before any memory is taken for its pixels.
 fn check_headers(path: &Path) -> Result<()> {
-    let meta = MetaData::read_from_file(path, false).map_err(|e| failed(path, e, Error::reading))?;
-    let refuse = |message: String| Error::Image { path: path.to_owned(), message };
+    let meta =
+        MetaData::read_from_file(path, false).map_err(|e| failed(path, e, Error::reading))?;
+    let refuse = |message: String| Error::Image {
+        path: path.to_owned(),
+        message,
+    };
     let mut usable = false;
     for header in &meta.headers {
-        check_size(&shown(path), header.layer_size.x() as u64, header.layer_size.y() as u64)?;
+        check_size(
+            &shown(path),
+            header.layer_size.x() as u64,
+            header.layer_size.y() as u64,
+        )?;
         let channels = &header.channels.list;
-        usable |= ["R", "G", "B"].iter().all(|name| channels.iter().any(|c| c.name.eq(name)));
+        usable |= ["R", "G", "B"]
+            .iter()
+            .all(|name| channels.iter().any(|c| c.name.eq(name)));
         if channels.iter().any(|c| c.sampling != Vec2(1, 1)) {
-            return Err(refuse("has subsampled channels; save it with channels of full resolution".into()));
+            return Err(refuse(
+                "has subsampled channels; save it with channels of full resolution".into(),
+            ));
         }
     }
     if usable {
         return Ok(());
     }
-    let names: Vec<String> = meta.headers.iter().flat_map(|h| &h.channels.list).map(|c| c.name.to_string()).collect();
-    Err(refuse(format!("has no layer with channels R, G and B; it has {}", names.join(", "))))
+    let names: Vec<String> = meta
+        .headers
+        .iter()
+        .flat_map(|h| &h.channels.list)
+        .map(|c| c.name.to_string())
+        .collect();
+    Err(refuse(format!(
+        "has no layer with channels R, G and B; it has {}",
+        names.join(", ")
+    )))
 }
 
 /// The library's error for a failure of the decoder or encoder.
-fn failed<F: FnOnce(std::io::Error) -> Error>(path: &Path, error: exr::error::Error, io: impl Fn(&Path) -> F) -> Error {
+fn failed<F: FnOnce(std::io::Error) -> Error>(
+    path: &Path,
+    error: exr::error::Error,
+    io: impl Fn(&Path) -> F,
+) -> Error {
     match error {
         exr::error::Error::Io(source) => io(path)(source),
-        other => Error::Image { path: path.to_owned(), message: format!("not a usable OpenEXR file: {other}") },
+        other => Error::Image {
+            path: path.to_owned(),
+            message: format!("not a usable OpenEXR file: {other}"),
+        },
     }
 }
 
@@ -130,11 +195,26 @@ mod tests {
     /// A frame whose values use many bits, with the floats that careless code loses.
     fn difficult() -> Frame {
         let (width, height) = (37, 21);
-        let value = |i: u32| f32::from_bits(i.wrapping_mul(0x9e37_79b9) & 0x7f7f_ffff | (i & 1) << 31);
-        let plane = |k: u32| (0..width * height).map(|i| [0, 1, 2, 3].map(|c| value(i * 8 + k + c))).collect();
-        let mut frame = Frame { width, height, radiance: plane(0), sun: plane(4) };
+        let value =
+            |i: u32| f32::from_bits(i.wrapping_mul(0x9e37_79b9) & 0x7f7f_ffff | (i & 1) << 31);
+        let plane = |k: u32| {
+            (0..width * height)
+                .map(|i| [0, 1, 2, 3].map(|c| value(i * 8 + k + c)))
+                .collect()
+        };
+        let mut frame = Frame {
+            width,
+            height,
+            radiance: plane(0),
+            sun: plane(4),
+        };
         frame.radiance[5] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0];
-        frame.sun[6] = [f32::from_bits(0x7fc1_2345), f32::from_bits(1), f32::MAX, f32::MIN_POSITIVE];
+        frame.sun[6] = [
+            f32::from_bits(0x7fc1_2345),
+            f32::from_bits(1),
+            f32::MAX,
+            f32::MIN_POSITIVE,
+        ];
         frame
     }
 
@@ -161,17 +241,31 @@ mod tests {
         let path = folder.path().join("frame.exr");
         write_frame(&path, &difficult()).unwrap();
         let meta = MetaData::read_from_file(&path, true).unwrap();
-        let names: Vec<String> = meta.headers[0].channels.list.iter().map(|c| c.name.to_string()).collect();
+        let names: Vec<String> = meta.headers[0]
+            .channels
+            .list
+            .iter()
+            .map(|c| c.name.to_string())
+            .collect();
         assert_eq!(meta.headers.len(), 1);
-        assert_eq!(names, ["A", "B", "G", "R", "sun.B", "sun.G", "sun.R", "sun.V"]);
-        assert_eq!(meta.headers[0].blocks, exr::meta::BlockDescription::ScanLines);
+        assert_eq!(
+            names,
+            ["A", "B", "G", "R", "sun.B", "sun.G", "sun.R", "sun.V"]
+        );
+        assert_eq!(
+            meta.headers[0].blocks,
+            exr::meta::BlockDescription::ScanLines
+        );
     }
 
     #[test]
     fn reads_third_party_half_and_uint() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("half.exr");
-        write_rgba_file(&path, 3, 2, |x, y| (f16::from_f32(x as f32), y as f32, 7_u32, f16::from_f32(0.5))).unwrap();
+        write_rgba_file(&path, 3, 2, |x, y| {
+            (f16::from_f32(x as f32), y as f32, 7_u32, f16::from_f32(0.5))
+        })
+        .unwrap();
         let frame = read_frame(&path).unwrap();
         assert_eq!(frame.radiance[5], [2.0, 1.0, 7.0, 0.5]);
         assert_eq!(frame.sun[5], [2.0, 1.0, 7.0, 0.0]);
@@ -192,9 +286,19 @@ mod tests {
         assert!(matches!(read_frame(&path), Err(Error::Io { .. })));
         std::fs::write(&path, b"this is no picture").unwrap();
         assert!(read_frame(&path).is_err());
-        let one = SpecificChannels::build().with_channel("Y").with_pixel_fn(|_: Vec2<usize>| (1.0_f32,));
-        Image::from_channels((2, 2), one).write().to_file(&path).unwrap();
-        assert!(read_frame(&path).unwrap_err().to_string().contains("it has Y"));
+        let one = SpecificChannels::build()
+            .with_channel("Y")
+            .with_pixel_fn(|_: Vec2<usize>| (1.0_f32,));
+        Image::from_channels((2, 2), one)
+            .write()
+            .to_file(&path)
+            .unwrap();
+        assert!(
+            read_frame(&path)
+                .unwrap_err()
+                .to_string()
+                .contains("it has Y")
+        );
     }
 
     #[test]
@@ -214,14 +318,23 @@ mod tests {
             }
         }
         std::fs::write(&path, &huge).unwrap();
-        assert!(read_frame(&path).err().unwrap().to_string().contains("65537×65537"));
+        assert!(
+            read_frame(&path)
+                .err()
+                .unwrap()
+                .to_string()
+                .contains("65537×65537")
+        );
     }
 
     #[test]
     fn mis_sized_frame_is_not_written() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("frame.exr");
-        let frame = Frame { width: 9, ..difficult() };
+        let frame = Frame {
+            width: 9,
+            ..difficult()
+        };
         assert!(write_frame(&path, &frame).is_err());
         assert!(!path.exists());
     }

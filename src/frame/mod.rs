@@ -72,9 +72,12 @@ pub(crate) fn nearest_rank(values: &mut [f64], q: f64) -> Option<f64> {
 
 /// Number of pixels of a picture, refused when 0 or above [`MAX_PIXELS`].
 fn check_size(place: &str, width: u64, height: u64) -> Result<usize> {
-    let pixels = width.checked_mul(height).filter(|n| (1..=MAX_PIXELS).contains(n));
+    let pixels = width
+        .checked_mul(height)
+        .filter(|n| (1..=MAX_PIXELS).contains(n));
     pixels.and_then(|n| usize::try_from(n).ok()).ok_or_else(|| {
-        let problem = format!("{width}×{height} pixels, at least 1 and at most {MAX_PIXELS} can be used");
+        let problem =
+            format!("{width}×{height} pixels, at least 1 and at most {MAX_PIXELS} can be used");
         Error::input(place, problem, "Give a picture of another size.")
     })
 }
@@ -101,10 +104,23 @@ mod tests {
 
     #[test]
     fn nonfinite_by_bits() {
-        for bad in [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::from_bits(0x7f80_0001)] {
+        for bad in [
+            f32::NAN,
+            -f32::NAN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::from_bits(0x7f80_0001),
+        ] {
             assert!(is_nonfinite(bad));
         }
-        for good in [0.0, -0.0, f32::MAX, f32::MIN, f32::MIN_POSITIVE, f32::from_bits(1)] {
+        for good in [
+            0.0,
+            -0.0,
+            f32::MAX,
+            f32::MIN,
+            f32::MIN_POSITIVE,
+            f32::from_bits(1),
+        ] {
             assert!(!is_nonfinite(good));
         }
     }
@@ -120,7 +136,18 @@ mod tests {
         for (width, height) in [(0, 5), (5, 0), (16384, 16385), (u64::MAX, 2)] {
             assert!(check_size("x", width, height).is_err());
         }
-        let short = Frame { width: 2, height: 1, radiance: vec![[0.0; 4]; 2], sun: vec![[0.0; 4]] };
-        assert!(short.check("the test").unwrap_err().to_string().contains("2×1"));
+        let short = Frame {
+            width: 2,
+            height: 1,
+            radiance: vec![[0.0; 4]; 2],
+            sun: vec![[0.0; 4]],
+        };
+        assert!(
+            short
+                .check("the test")
+                .unwrap_err()
+                .to_string()
+                .contains("2×1")
+        );
     }
 }

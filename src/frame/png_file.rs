@@ -35,15 +35,27 @@ pub(super) const MAGENTA: [u8; 3] = [255, 0, 255];
 pub fn write_png(path: &Path, width: u32, height: u32, rgb8: &[u8]) -> Result<()> {
     let pixels = check_size(&shown(path), width.into(), height.into())?;
     if rgb8.len() != 3 * pixels {
-        let message = format!("{} bytes given, {width}×{height} RGB pixels need {}", rgb8.len(), 3 * pixels);
-        return Err(Error::Image { path: path.to_owned(), message });
+        let message = format!(
+            "{} bytes given, {width}×{height} RGB pixels need {}",
+            rgb8.len(),
+            3 * pixels
+        );
+        return Err(Error::Image {
+            path: path.to_owned(),
+            message,
+        });
     }
     write_atomic(path, |file| {
         let encoder = PngEncoder::new(file);
-        encoder.write_image(rgb8, width, height, ExtendedColorType::Rgb8).map_err(|e| match e {
-            ImageError::IoError(source) => Error::writing(path)(source),
-            other => Error::Image { path: path.to_owned(), message: other.to_string() },
-        })
+        encoder
+            .write_image(rgb8, width, height, ExtendedColorType::Rgb8)
+            .map_err(|e| match e {
+                ImageError::IoError(source) => Error::writing(path)(source),
+                other => Error::Image {
+                    path: path.to_owned(),
+                    message: other.to_string(),
+                },
+            })
     })
 }
 
@@ -53,8 +65,20 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgb8: &[u8]) -> Result<()
 /// larger differences get them too. A value that is NaN (or lacking) becomes magenta.
 pub fn false_colour(width: u32, height: u32, diff: &[f32], scale: f32) -> Vec<u8> {
     let pixels = width as usize * height as usize;
-    let values = diff.iter().copied().chain(std::iter::repeat(f32::NAN)).take(pixels);
-    values.flat_map(|value| if value.is_nan() { MAGENTA } else { colour_at(position(value, scale)) }).collect()
+    let values = diff
+        .iter()
+        .copied()
+        .chain(std::iter::repeat(f32::NAN))
+        .take(pixels);
+    values
+        .flat_map(|value| {
+            if value.is_nan() {
+                MAGENTA
+            } else {
+                colour_at(position(value, scale))
+            }
+        })
+        .collect()
 }
 
 /// `value / scale` clamped to `[−1, 1]`; a scale that is not positive leaves only the sign.
@@ -72,9 +96,18 @@ fn position(value: f32, scale: f32) -> f32 {
 fn colour_at(position: f32) -> [u8; 3] {
     let above = FALSE_COLOUR_STOPS.partition_point(|(at, _)| *at < position);
     let upper = above.min(FALSE_COLOUR_STOPS.len() - 1);
-    let ((from, low), (to, high)) = (FALSE_COLOUR_STOPS[upper.saturating_sub(1)], FALSE_COLOUR_STOPS[upper]);
-    let share = if to > from { ((position - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
-    let mix = |c: usize| (f32::from(low[c]) + share * (f32::from(high[c]) - f32::from(low[c]))).round() as u8;
+    let ((from, low), (to, high)) = (
+        FALSE_COLOUR_STOPS[upper.saturating_sub(1)],
+        FALSE_COLOUR_STOPS[upper],
+    );
+    let share = if to > from {
+        ((position - from) / (to - from)).clamp(0.0, 1.0)
+    } else {
+        1.0
+    };
+    let mix = |c: usize| {
+        (f32::from(low[c]) + share * (f32::from(high[c]) - f32::from(low[c]))).round() as u8
+    };
     [mix(0), mix(1), mix(2)]
 }
 
@@ -83,11 +116,19 @@ fn colour_at(position: f32) -> [u8; 3] {
 /// A PNG is taken as sRGB whatever profile it carries, is made linear (IEC 61966-2-1:1999), and its colour is
 /// multiplied by its alpha, as in an EXR. Its sun-lit radiance is its radiance and V is 0.
 pub fn read_image(path: &Path) -> Result<Frame> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let extension = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or_default()
+        .to_ascii_lowercase();
     match extension.as_str() {
         "exr" => read_frame(path),
         "png" => read_png(path),
-        _ => Err(Error::input(shown(path), "not a picture this program reads", "Give a .exr or a .png file.")),
+        _ => Err(Error::input(
+            shown(path),
+            "not a picture this program reads",
+            "Give a .exr or a .png file.",
+        )),
     }
 }
 
@@ -97,7 +138,10 @@ fn read_png(path: &Path) -> Result<Frame> {
         ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
             Error::reading(path)(source)
         }
-        other => Error::Image { path: path.to_owned(), message: format!("not a usable PNG: {other}") },
+        other => Error::Image {
+            path: path.to_owned(),
+            message: format!("not a usable PNG: {other}"),
+        },
     };
     let file = File::open(path).map_err(Error::reading(path))?;
     let mut limits = Limits::no_limits();
@@ -106,10 +150,20 @@ fn read_png(path: &Path) -> Result<Frame> {
     let (width, height) = decoder.dimensions();
     check_size(&shown(path), width.into(), height.into())?;
     // 8-bit values widen by 257, so v/65535 is the same number as v/255.
-    let pixels = DynamicImage::from_decoder(decoder).map_err(undecodable)?.into_rgba16();
+    let pixels = DynamicImage::from_decoder(decoder)
+        .map_err(undecodable)?
+        .into_rgba16();
     let radiance: Vec<[f32; 4]> = pixels.pixels().map(|p| linear(p.0)).collect();
-    let sun = radiance.iter().map(|&[r, g, b, _]| [r, g, b, 0.0]).collect();
-    Ok(Frame { width, height, radiance, sun })
+    let sun = radiance
+        .iter()
+        .map(|&[r, g, b, _]| [r, g, b, 0.0])
+        .collect();
+    Ok(Frame {
+        width,
+        height,
+        radiance,
+        sun,
+    })
 }
 
 /// sRGB with straight alpha, 16 bits, to linear light multiplied by alpha.
@@ -117,7 +171,11 @@ fn linear([r, g, b, a]: [u16; 4]) -> [f32; 4] {
     let alpha = f64::from(a) / 65535.0;
     let decode = |v: u16| {
         let s = f64::from(v) / 65535.0;
-        let light = if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) };
+        let light = if s <= 0.04045 {
+            s / 12.92
+        } else {
+            ((s + 0.055) / 1.055).powf(2.4)
+        };
         (light * alpha) as f32
     };
     [decode(r), decode(g), decode(b), alpha as f32]
@@ -134,8 +192,16 @@ mod tests {
         write_png(&path, 2, 1, &[0, 255, 188, 10, 64, 128]).unwrap();
         let frame = read_image(&path).unwrap();
         // Values of the standard's formula: 188 → 0.502886, 10 → 0.003035, 64 → 0.051269, 128 → 0.215861.
-        let expected = [[0.0, 1.0, 0.502_886, 1.0], [0.003_035, 0.051_269, 0.215_861, 1.0]];
-        for (got, want) in frame.radiance.iter().flatten().zip(expected.iter().flatten()) {
+        let expected = [
+            [0.0, 1.0, 0.502_886, 1.0],
+            [0.003_035, 0.051_269, 0.215_861, 1.0],
+        ];
+        for (got, want) in frame
+            .radiance
+            .iter()
+            .flatten()
+            .zip(expected.iter().flatten())
+        {
             assert!((got - want).abs() < 1e-6, "{got} {want}");
         }
         assert_eq!(frame.sun[0][..3], frame.radiance[0][..3]);
@@ -147,7 +213,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let pixel = image::Rgba([65535_u16, 257 * 128, 1, 257 * 51]);
-        image::ImageBuffer::from_pixel(1, 1, pixel).save(&path).unwrap();
+        image::ImageBuffer::from_pixel(1, 1, pixel)
+            .save(&path)
+            .unwrap();
         let [r, g, b, a] = read_image(&path).unwrap().radiance[0];
         assert!((a - 0.2).abs() < 1e-7 && (r - 0.2).abs() < 1e-7);
         assert!((g - 0.2 * 0.215_861).abs() < 1e-6);
@@ -163,7 +231,10 @@ mod tests {
         assert!(matches!(read_image(&path), Err(Error::Io { .. })));
         std::fs::write(&path, b"\x89PNG\r\n\x1a\nnothing").unwrap();
         assert!(matches!(read_image(&path), Err(Error::Image { .. })));
-        assert!(matches!(read_image(Path::new("picture.jpg")), Err(Error::Input { .. })));
+        assert!(matches!(
+            read_image(Path::new("picture.jpg")),
+            Err(Error::Input { .. })
+        ));
     }
 
     #[test]
@@ -183,7 +254,14 @@ mod tests {
             assert_eq!(colour_at(at), colour);
         }
         assert_eq!(colour_at(0.1), [254, 237, 227]);
-        assert_eq!(false_colour(2, 1, &[0.0], 1.0)[3..], MAGENTA, "a lacking value shows");
-        assert_eq!(false_colour(3, 1, &[0.0, 1e-9, -1.0], 0.0), [255, 255, 255, 103, 0, 31, 5, 48, 97]);
+        assert_eq!(
+            false_colour(2, 1, &[0.0], 1.0)[3..],
+            MAGENTA,
+            "a lacking value shows"
+        );
+        assert_eq!(
+            false_colour(3, 1, &[0.0, 1e-9, -1.0], 0.0),
+            [255, 255, 255, 103, 0, 31, 5, 48, 97]
+        );
     }
 }

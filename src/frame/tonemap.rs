@@ -22,8 +22,14 @@ impl Exposure {
     /// Only finite, positive luminances count; a picture without any gets exposure 1.
     pub fn from_reference(reference: &Frame) -> Self {
         let usable = |l: &f64| l.is_finite() && *l > 0.0;
-        let mut values: Vec<f64> = reference.radiance.iter().map(|p| luminance(*p)).filter(usable).collect();
-        let factor = nearest_rank(&mut values, 0.99).map_or(1.0, |bright| f64::from(BRIGHT) / bright);
+        let mut values: Vec<f64> = reference
+            .radiance
+            .iter()
+            .map(|p| luminance(*p))
+            .filter(usable)
+            .collect();
+        let factor =
+            nearest_rank(&mut values, 0.99).map_or(1.0, |bright| f64::from(BRIGHT) / bright);
         Self(factor.clamp(1e-30, 1e30) as f32)
     }
 }
@@ -36,7 +42,11 @@ impl Exposure {
 /// pixel with a NaN or infinite channel is magenta: it is an error to be seen and counted.
 pub fn tone_map(frame: &Frame, exposure: Exposure) -> Vec<u8> {
     let map = |&[r, g, b, _]: &[f32; 4]| {
-        if [r, g, b].into_iter().any(is_nonfinite) { MAGENTA } else { [r, g, b].map(|v| encode(v * exposure.0)) }
+        if [r, g, b].into_iter().any(is_nonfinite) {
+            MAGENTA
+        } else {
+            [r, g, b].map(|v| encode(v * exposure.0))
+        }
     };
     frame.radiance.iter().flat_map(map).collect()
 }
@@ -44,7 +54,11 @@ pub fn tone_map(frame: &Frame, exposure: Exposure) -> Vec<u8> {
 /// The curve and the transfer for one exposed value; an overflow to infinity is white.
 fn encode(exposed: f32) -> u8 {
     let light = curve(exposed);
-    let code = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    let code = if light <= 0.003_130_8 {
+        12.92 * light
+    } else {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
+    };
     (code * 255.0).round() as u8
 }
 
@@ -60,7 +74,12 @@ mod tests {
 
     fn grey(values: &[f32]) -> Frame {
         let radiance: Vec<[f32; 4]> = values.iter().map(|&v| [v, v, v, 1.0]).collect();
-        Frame { width: values.len() as u32, height: 1, sun: radiance.clone(), radiance }
+        Frame {
+            width: values.len() as u32,
+            height: 1,
+            sun: radiance.clone(),
+            radiance,
+        }
     }
 
     #[test]
@@ -88,7 +107,10 @@ mod tests {
     #[test]
     fn black_and_broken_references_give_a_usable_exposure() {
         assert_eq!(Exposure::from_reference(&grey(&[0.0, 0.0])), Exposure(1.0));
-        assert_eq!(Exposure::from_reference(&grey(&[f32::NAN, f32::INFINITY, -1.0])), Exposure(1.0));
+        assert_eq!(
+            Exposure::from_reference(&grey(&[f32::NAN, f32::INFINITY, -1.0])),
+            Exposure(1.0)
+        );
         let sparse = [vec![0.0; 999], vec![BRIGHT]].concat();
         assert!((Exposure::from_reference(&grey(&sparse)).0 - 1.0).abs() < 1e-6);
         assert!(Exposure::from_reference(&grey(&[1e-40])).0.is_finite());
@@ -96,7 +118,10 @@ mod tests {
 
     #[test]
     fn broken_pixels_are_magenta() {
-        let got = tone_map(&grey(&[f32::NAN, f32::INFINITY, f32::MAX, -1.0]), Exposure(10.0));
+        let got = tone_map(
+            &grey(&[f32::NAN, f32::INFINITY, f32::MAX, -1.0]),
+            Exposure(10.0),
+        );
         assert_eq!(got, [255, 0, 255, 255, 0, 255, 255, 255, 255, 0, 0, 0]);
     }
 }

@@ -76,14 +76,25 @@ fn choose(wanted: Option<&str>) -> Result<wgpu::Adapter> {
     };
     let mut all = adapters();
     if all.is_empty() {
-        return Err(Error::gpu("this machine has no Vulkan, Metal or Direct3D 12 adapter", NO_ADAPTER_REMEDY));
+        return Err(Error::gpu(
+            "this machine has no Vulkan, Metal or Direct3D 12 adapter",
+            NO_ADAPTER_REMEDY,
+        ));
     }
     all.sort_by_key(rank);
-    let Some(wanted) = wanted else { return Ok(all.swap_remove(0)) };
+    let Some(wanted) = wanted else {
+        return Ok(all.swap_remove(0));
+    };
     let names: Vec<_> = all.iter().map(|a| a.get_info().name).collect();
-    match names.iter().position(|n| n.to_lowercase().contains(&wanted.to_lowercase())) {
+    match names
+        .iter()
+        .position(|n| n.to_lowercase().contains(&wanted.to_lowercase()))
+    {
         Some(i) => Ok(all.swap_remove(i)),
-        None => Err(Error::gpu(format!("no adapter's name contains `{wanted}`"), format!("Choose one of: {}.", names.join("; ")))),
+        None => Err(Error::gpu(
+            format!("no adapter's name contains `{wanted}`"),
+            format!("Choose one of: {}.", names.join("; ")),
+        )),
     }
 }
 
@@ -100,25 +111,44 @@ impl Gpu {
             required_limits: adapter.limits(),
             ..Default::default()
         });
-        let (device, queue) = pollster::block_on(request)
-            .map_err(|e| Error::gpu(e.to_string(), "Update the driver, or choose another adapter with --adapter."))?;
+        let (device, queue) = pollster::block_on(request).map_err(|e| {
+            Error::gpu(
+                e.to_string(),
+                "Update the driver, or choose another adapter with --adapter.",
+            )
+        })?;
         let failure = Arc::new(Mutex::new(None));
         let (on_error, on_lost) = (failure.clone(), failure.clone());
-        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| note(&on_error, e.to_string())));
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
+            note(&on_error, e.to_string())
+        }));
         device.set_device_lost_callback(move |reason, message| {
             if reason != wgpu::DeviceLostReason::Destroyed {
                 note(&on_lost, format!("device lost: {message}"));
             }
         });
-        Ok(Self { info: adapter.get_info(), device, queue, failure, compile_us: std::sync::atomic::AtomicU64::new(0) })
+        Ok(Self {
+            info: adapter.get_info(),
+            device,
+            queue,
+            failure,
+            compile_us: std::sync::atomic::AtomicU64::new(0),
+        })
     }
 
     /// The first error the driver reported since the last call, if any.
     pub fn check(&self) -> Result<()> {
-        let noted = self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
+        let noted = self
+            .failure
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+            .take();
         match noted {
             None => Ok(()),
-            Some(problem) => Err(Error::gpu(problem, "Use smaller maps or images, or another adapter.")),
+            Some(problem) => Err(Error::gpu(
+                problem,
+                "Use smaller maps or images, or another adapter.",
+            )),
         }
     }
 
@@ -128,18 +158,25 @@ impl Gpu {
     }
 
     pub(super) fn add_compile_time(&self, time: std::time::Duration) {
-        self.compile_us.fetch_add(time.as_micros() as u64, std::sync::atomic::Ordering::Relaxed);
+        self.compile_us.fetch_add(
+            time.as_micros() as u64,
+            std::sync::atomic::Ordering::Relaxed,
+        );
     }
 
     /// Blocks until the queue is empty.
     pub fn wait(&self) -> Result<()> {
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| Error::gpu(e.to_string(), "Run the command again."))?;
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|e| Error::gpu(e.to_string(), "Run the command again."))?;
         self.check()
     }
 
     /// Are pass times measured on this adapter?
     pub fn has_timestamps(&self) -> bool {
-        self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
+        self.device
+            .features()
+            .contains(wgpu::Features::TIMESTAMP_QUERY)
     }
 
     /// For records.
@@ -161,7 +198,9 @@ impl Gpu {
 
     /// Bytes that wgpu's allocator has handed out, where the backend reports them.
     pub fn allocated_bytes(&self) -> Option<u64> {
-        self.device.generate_allocator_report().map(|r| r.total_allocated_bytes)
+        self.device
+            .generate_allocator_report()
+            .map(|r| r.total_allocated_bytes)
     }
 
     /// A buffer holding `bytes`.
@@ -174,11 +213,18 @@ impl Gpu {
 
     /// An uninitialised (zero) buffer.
     pub fn empty_buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
     }
 }
 
 fn note(slot: &Mutex<Option<String>>, message: String) {
     // A poisoned lock only means that another report panicked half-way: the slot is still a valid Option.
-    slot.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(message);
+    slot.lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+        .get_or_insert(message);
 }

@@ -4,7 +4,10 @@ use super::context::Gpu;
 use super::shader::{Program, compose};
 use super::uniform::{Leaf, UniformValue, pack, struct_leaves};
 use crate::error::{Error, Result};
-use naga::{AddressSpace, GlobalVariable, Handle, ImageClass, ImageDimension, Module, StorageAccess, TypeInner};
+use naga::{
+    AddressSpace, GlobalVariable, Handle, ImageClass, ImageDimension, Module, StorageAccess,
+    TypeInner,
+};
 use std::collections::{BTreeMap, HashMap};
 use std::time::Instant;
 
@@ -33,8 +36,15 @@ impl Inputs {
     }
 
     /// Offers values for the members of the uniform `name`; more than the shader declares are ignored.
-    pub fn uniform<N: Into<String>>(&mut self, name: &'static str, values: impl IntoIterator<Item = (N, UniformValue)>) {
-        self.uniforms.insert(name, values.into_iter().map(|(n, v)| (n.into(), v)).collect());
+    pub fn uniform<N: Into<String>>(
+        &mut self,
+        name: &'static str,
+        values: impl IntoIterator<Item = (N, UniformValue)>,
+    ) {
+        self.uniforms.insert(
+            name,
+            values.into_iter().map(|(n, v)| (n.into(), v)).collect(),
+        );
     }
 
     /// Replaces uniforms by those of `other` that have the same name.
@@ -71,30 +81,45 @@ impl Kernel {
             uniforms_as_storage(&mut module);
         }
         let bindings = reflect(&module, program.entry)?;
-        let entry = module.entry_points.first().ok_or_else(|| defect(program.entry, "has no entry point"))?;
+        let entry = module
+            .entry_points
+            .first()
+            .ok_or_else(|| defect(program.entry, "has no entry point"))?;
         let (workgroup, entry_name) = (entry.workgroup_size, entry.name.clone());
         let layouts = group_layouts(gpu, &bindings);
         let optional: Vec<_> = layouts.iter().map(Some).collect();
-        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(program.entry),
-            bind_group_layouts: &optional,
-            immediate_size: 0,
-        });
-        let shader = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(program.entry),
-            source: wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module)),
-        });
-        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(program.entry),
-            layout: Some(&layout),
-            module: &shader,
-            entry_point: Some(&entry_name),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
+        let layout = gpu
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(program.entry),
+                bind_group_layouts: &optional,
+                immediate_size: 0,
+            });
+        let shader = gpu
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(program.entry),
+                source: wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module)),
+            });
+        let pipeline = gpu
+            .device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(program.entry),
+                layout: Some(&layout),
+                module: &shader,
+                entry_point: Some(&entry_name),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
         gpu.check()?;
         gpu.add_compile_time(start.elapsed());
-        Ok(Self { pipeline, layouts, bindings, workgroup, label: program.entry.to_owned() })
+        Ok(Self {
+            pipeline,
+            layouts,
+            bindings,
+            workgroup,
+            label: program.entry.to_owned(),
+        })
     }
 
     /// Does the kernel declare a variable of this name?
@@ -104,17 +129,38 @@ impl Kernel {
 
     /// Member names of the uniform variable `name`.
     pub fn members(&self, name: &str) -> Vec<&str> {
-        self.bindings.iter().filter(|b| b.name == name).flat_map(|b| &b.leaves).map(|l| l.path.as_str()).collect()
+        self.bindings
+            .iter()
+            .filter(|b| b.name == name)
+            .flat_map(|b| &b.leaves)
+            .map(|l| l.path.as_str())
+            .collect()
     }
 
     /// Bind groups from inputs by name, the first that offers a name wins; one that nobody offers is an error.
     pub fn bind(&self, gpu: &Gpu, inputs: &[&Inputs]) -> Result<Vec<wgpu::BindGroup>> {
-        let resources = self.bindings.iter().map(|b| self.resource_for(gpu, b, inputs)).collect::<Result<Vec<_>>>()?;
+        let resources = self
+            .bindings
+            .iter()
+            .map(|b| self.resource_for(gpu, b, inputs))
+            .collect::<Result<Vec<_>>>()?;
         let group = |(group, layout): (usize, &wgpu::BindGroupLayout)| {
-            let own = self.bindings.iter().zip(&resources).filter(|(b, _)| b.group as usize == group);
-            let entries: Vec<_> =
-                own.map(|(b, r)| wgpu::BindGroupEntry { binding: b.entry.binding, resource: binding_resource(r) }).collect();
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(&self.label), layout, entries: &entries })
+            let own = self
+                .bindings
+                .iter()
+                .zip(&resources)
+                .filter(|(b, _)| b.group as usize == group);
+            let entries: Vec<_> = own
+                .map(|(b, r)| wgpu::BindGroupEntry {
+                    binding: b.entry.binding,
+                    resource: binding_resource(r),
+                })
+                .collect();
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(&self.label),
+                layout,
+                entries: &entries,
+            })
         };
         let groups = self.layouts.iter().enumerate().map(group).collect();
         gpu.check()?;
@@ -127,13 +173,23 @@ impl Kernel {
             return Ok(resource.clone());
         }
         let values = inputs.iter().find_map(|i| i.uniforms.get(name));
-        let values = values.ok_or_else(|| defect(&self.label, format!("nothing is bound to `{name}`")))?;
+        let values =
+            values.ok_or_else(|| defect(&self.label, format!("nothing is bound to `{name}`")))?;
         let bytes = pack(name, &binding.leaves, binding.size, values)?;
-        Ok(Resource::Buffer(gpu.buffer(name, &bytes, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE)))
+        Ok(Resource::Buffer(gpu.buffer(
+            name,
+            &bytes,
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
+        )))
     }
 
     /// Records a dispatch that covers `threads`.
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, groups: &[wgpu::BindGroup], threads: [u32; 3]) {
+    pub fn dispatch(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        groups: &[wgpu::BindGroup],
+        threads: [u32; 3],
+    ) {
         pass.set_pipeline(&self.pipeline);
         for (i, group) in (0_u32..).zip(groups) {
             pass.set_bind_group(i, group, &[]);
@@ -152,7 +208,10 @@ fn binding_resource(resource: &Resource) -> wgpu::BindingResource<'_> {
 }
 
 fn defect(file: &str, message: impl Into<String>) -> Error {
-    Error::Shader { file: format!("shaders/{file}"), message: message.into() }
+    Error::Shader {
+        file: format!("shaders/{file}"),
+        message: message.into(),
+    }
 }
 
 fn group_layouts(gpu: &Gpu, bindings: &[Binding]) -> Vec<wgpu::BindGroupLayout> {
@@ -164,58 +223,117 @@ fn group_layouts(gpu: &Gpu, bindings: &[Binding]) -> Vec<wgpu::BindGroupLayout> 
     (0..count)
         .map(|g| {
             let entries = groups.get(&g).map_or(&[][..], Vec::as_slice);
-            gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
+            gpu.device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                    label: None,
+                    entries,
+                })
         })
         .collect()
 }
 
 /// naga_oil decorates the names of imported items with their module.
 fn plain_name(name: &str) -> String {
-    name.split("X_naga_oil_mod_X").next().unwrap_or(name).to_owned()
+    name.split("X_naga_oil_mod_X")
+        .next()
+        .unwrap_or(name)
+        .to_owned()
 }
 
 /// Mesa's lavapipe (seen in 22.3) inlines uniform loads into shaders and overruns a fixed array while it does so, which
 /// corrupts its stack and heap; it also recompiles whenever a value changes. It leaves storage buffers alone, so there
 /// uniforms become read-only storage buffers of the same layout. Other drivers see what the files say.
 fn uniforms_as_storage(module: &mut Module) {
-    let handles: Vec<_> = module.global_variables.iter().map(|(handle, _)| handle).collect();
+    let handles: Vec<_> = module
+        .global_variables
+        .iter()
+        .map(|(handle, _)| handle)
+        .collect();
     for handle in handles {
         let variable = module.global_variables.get_mut(handle);
         if variable.space == AddressSpace::Uniform {
-            variable.space = AddressSpace::Storage { access: StorageAccess::LOAD };
+            variable.space = AddressSpace::Storage {
+                access: StorageAccess::LOAD,
+            };
         }
     }
 }
 
 fn reflect(module: &Module, file: &str) -> Result<Vec<Binding>> {
-    let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
-    let info = validator.validate(module).map_err(|e| defect(file, format!("{e:?}")))?;
-    let filtered: Vec<Handle<GlobalVariable>> = info.get_entry_point(0).sampling_set.iter().map(|k| k.image).collect();
+    let mut validator = naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::all(),
+    );
+    let info = validator
+        .validate(module)
+        .map_err(|e| defect(file, format!("{e:?}")))?;
+    let filtered: Vec<Handle<GlobalVariable>> = info
+        .get_entry_point(0)
+        .sampling_set
+        .iter()
+        .map(|k| k.image)
+        .collect();
     let mut bindings = Vec::new();
     for (handle, variable) in module.global_variables.iter() {
-        let Some(at) = &variable.binding else { continue };
+        let Some(at) = &variable.binding else {
+            continue;
+        };
         let name = plain_name(variable.name.as_deref().unwrap_or_default());
-        let ty = binding_type(module, variable, filtered.contains(&handle))
-            .ok_or_else(|| defect(file, format!("`{name}` has a kind of binding that the lab does not use")))?;
+        let ty = binding_type(module, variable, filtered.contains(&handle)).ok_or_else(|| {
+            defect(
+                file,
+                format!("`{name}` has a kind of binding that the lab does not use"),
+            )
+        })?;
         let size = match variable.space {
-            AddressSpace::Uniform | AddressSpace::Storage { .. } => module.types[variable.ty].inner.size(module.to_ctx()),
+            AddressSpace::Uniform | AddressSpace::Storage { .. } => {
+                module.types[variable.ty].inner.size(module.to_ctx())
+            }
             _ => 0,
         };
-        let entry = wgpu::BindGroupLayoutEntry { binding: at.binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None };
-        bindings.push(Binding { name, group: at.group, entry, leaves: struct_leaves(module, variable.ty), size });
+        let entry = wgpu::BindGroupLayoutEntry {
+            binding: at.binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty,
+            count: None,
+        };
+        bindings.push(Binding {
+            name,
+            group: at.group,
+            entry,
+            leaves: struct_leaves(module, variable.ty),
+            size,
+        });
     }
     Ok(bindings)
 }
 
-fn binding_type(module: &Module, variable: &GlobalVariable, filtered: bool) -> Option<wgpu::BindingType> {
-    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+fn binding_type(
+    module: &Module,
+    variable: &GlobalVariable,
+    filtered: bool,
+) -> Option<wgpu::BindingType> {
+    let buffer = |ty| wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
     Some(match (variable.space, &module.types[variable.ty].inner) {
         (AddressSpace::Uniform, _) => buffer(wgpu::BufferBindingType::Uniform),
-        (AddressSpace::Storage { access }, _) => {
-            buffer(wgpu::BufferBindingType::Storage { read_only: !access.contains(StorageAccess::STORE) })
+        (AddressSpace::Storage { access }, _) => buffer(wgpu::BufferBindingType::Storage {
+            read_only: !access.contains(StorageAccess::STORE),
+        }),
+        (_, TypeInner::Sampler { .. }) => {
+            wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)
         }
-        (_, TypeInner::Sampler { .. }) => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-        (_, TypeInner::Image { dim, arrayed, class }) => {
+        (
+            _,
+            TypeInner::Image {
+                dim,
+                arrayed,
+                class,
+            },
+        ) => {
             let view_dimension = match (dim, arrayed) {
                 (ImageDimension::D2, false) => wgpu::TextureViewDimension::D2,
                 (ImageDimension::D2, true) => wgpu::TextureViewDimension::D2Array,
@@ -224,7 +342,9 @@ fn binding_type(module: &Module, variable: &GlobalVariable, filtered: bool) -> O
             };
             match class {
                 ImageClass::Sampled { multi: false, .. } => wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Float { filterable: filtered },
+                    sample_type: wgpu::TextureSampleType::Float {
+                        filterable: filtered,
+                    },
                     view_dimension,
                     multisampled: false,
                 },

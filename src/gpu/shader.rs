@@ -4,7 +4,10 @@
 //! that every pipeline is specialised and holds no code of a feature its scene or method does not use.
 
 use crate::error::{Error, Result};
-use naga_oil::compose::{ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue, get_preprocessor_data};
+use naga_oil::compose::{
+    ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue,
+    get_preprocessor_data,
+};
 use std::collections::{BTreeMap, HashMap};
 
 /// Shader definitions: `true` for `#ifdef NAME`, a number for `#{NAME}`.
@@ -57,25 +60,38 @@ const FILES: &[(&str, &str)] = shaders![
 /// The text of a shader file as compiled in.
 pub fn embedded(path: &str) -> Result<&'static str> {
     let own = FILES.iter().copied();
-    let methods = crate::occlusion::REGISTRY.iter().map(|m| (m.info().shader, m.info().source));
+    let methods = crate::occlusion::REGISTRY
+        .iter()
+        .map(|m| (m.info().shader, m.info().source));
     own.chain(methods)
         .find_map(|(p, text)| (p == path).then_some(text))
-        .ok_or_else(|| Error::Shader { file: path.to_owned(), message: "no such shader file is compiled in".into() })
+        .ok_or_else(|| Error::Shader {
+            file: path.to_owned(),
+            message: "no such shader file is compiled in".into(),
+        })
 }
 
 /// Hash of every shader file: what makes a cached picture stale when a formula changes.
 pub fn sources_hash() -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();
-    let methods = crate::occlusion::REGISTRY.iter().map(|m| (m.info().shader, m.info().source));
+    let methods = crate::occlusion::REGISTRY
+        .iter()
+        .map(|m| (m.info().shader, m.info().source));
     for (path, text) in FILES.iter().copied().chain(methods) {
-        hasher.update(path.as_bytes()).update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());
+        hasher
+            .update(path.as_bytes())
+            .update(&(text.len() as u64).to_le_bytes())
+            .update(text.as_bytes());
     }
     hasher.finalize()
 }
 
 /// Resolves imports and definitions, validates, and drops what the entry point does not use.
 pub fn compose(program: &Program) -> Result<naga::Module> {
-    let mut loader = Loader { composer: Composer::default().with_capabilities(naga::valid::Capabilities::default()), program };
+    let mut loader = Loader {
+        composer: Composer::default().with_capabilities(naga::valid::Capabilities::default()),
+        program,
+    };
     let source = embedded(program.entry)?;
     loader.add_imports(source)?;
     let defs = shader_defs(&program.defs);
@@ -91,7 +107,14 @@ pub fn compose(program: &Program) -> Result<naga::Module> {
 }
 
 fn shader_defs(defs: &Defs) -> HashMap<String, ShaderDefValue> {
-    defs.iter().map(|(k, v)| (k.clone(), v.map_or(ShaderDefValue::Bool(true), ShaderDefValue::Int))).collect()
+    defs.iter()
+        .map(|(k, v)| {
+            (
+                k.clone(),
+                v.map_or(ShaderDefValue::Bool(true), ShaderDefValue::Int),
+            )
+        })
+        .collect()
 }
 
 /// Adds imported files depth first, so that each is known before its importer.
@@ -104,7 +127,12 @@ impl Loader<'_> {
     fn add_imports(&mut self, source: &str) -> Result<()> {
         let (_, imports, _) = get_preprocessor_data(source);
         for import in imports {
-            let name = import.import.split("::").next().unwrap_or_default().to_owned();
+            let name = import
+                .import
+                .split("::")
+                .next()
+                .unwrap_or_default()
+                .to_owned();
             self.add(&name)?;
         }
         Ok(())
@@ -120,12 +148,14 @@ impl Loader<'_> {
         };
         let source = embedded(&path)?;
         self.add_imports(source)?;
-        let added = self.composer.add_composable_module(ComposableModuleDescriptor {
-            source,
-            file_path: &path,
-            as_name: Some(name.to_owned()),
-            ..Default::default()
-        });
+        let added = self
+            .composer
+            .add_composable_module(ComposableModuleDescriptor {
+                source,
+                file_path: &path,
+                as_name: Some(name.to_owned()),
+                ..Default::default()
+            });
         match added {
             Ok(_) => Ok(()),
             Err(e) => Err(self.error(&path, &e)),
@@ -134,14 +164,26 @@ impl Loader<'_> {
 
     /// A role's file, or the shared file of that name.
     fn path_of(&self, name: &str) -> Option<String> {
-        let role = self.program.roles.iter().find(|(role, _)| *role == name).map(|(_, path)| (*path).to_owned());
+        let role = self
+            .program
+            .roles
+            .iter()
+            .find(|(role, _)| *role == name)
+            .map(|(_, path)| (*path).to_owned());
         role.or_else(|| {
             let file = format!("{name}.wgsl");
-            FILES.iter().map(|(p, _)| *p).find(|p| p.ends_with(&file) && p.rsplit('/').next() == Some(&file)).map(str::to_owned)
+            FILES
+                .iter()
+                .map(|(p, _)| *p)
+                .find(|p| p.ends_with(&file) && p.rsplit('/').next() == Some(&file))
+                .map(str::to_owned)
         })
     }
 
     fn error(&self, path: &str, error: &ComposerError) -> Error {
-        Error::Shader { file: format!("shaders/{path}"), message: error.emit_to_string(&self.composer) }
+        Error::Shader {
+            file: format!("shaders/{path}"),
+            message: error.emit_to_string(&self.composer),
+        }
     }
 }

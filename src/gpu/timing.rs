@@ -19,7 +19,11 @@ impl Timer {
                 ty: wgpu::QueryType::Timestamp,
                 count: 2,
             }),
-            resolved: gpu.empty_buffer("pass times", 256, wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
+            resolved: gpu.empty_buffer(
+                "pass times",
+                256,
+                wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            ),
         })
     }
 

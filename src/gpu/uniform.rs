@@ -61,18 +61,42 @@ pub fn struct_leaves(module: &Module, ty: Handle<Type>) -> Vec<Leaf> {
 
 fn collect(module: &Module, ty: Handle<Type>, path: String, offset: u32, out: &mut Vec<Leaf>) {
     match &module.types[ty].inner {
-        TypeInner::Scalar(s) => out.push(Leaf { path, offset, kind: s.kind, components: 1 }),
-        TypeInner::Vector { size, scalar } => out.push(Leaf { path, offset, kind: scalar.kind, components: *size as u32 }),
+        TypeInner::Scalar(s) => out.push(Leaf {
+            path,
+            offset,
+            kind: s.kind,
+            components: 1,
+        }),
+        TypeInner::Vector { size, scalar } => out.push(Leaf {
+            path,
+            offset,
+            kind: scalar.kind,
+            components: *size as u32,
+        }),
         TypeInner::Struct { members, .. } => {
             for member in members {
                 let name = member.name.as_deref().unwrap_or("?");
-                let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+                let path = if path.is_empty() {
+                    name.to_owned()
+                } else {
+                    format!("{path}.{name}")
+                };
                 collect(module, member.ty, path, offset + member.offset, out);
             }
         }
-        TypeInner::Array { base, size: naga::ArraySize::Constant(n), stride } => {
+        TypeInner::Array {
+            base,
+            size: naga::ArraySize::Constant(n),
+            stride,
+        } => {
             for i in 0..n.get() {
-                collect(module, *base, format!("{path}[{i}]"), offset + i * stride, out);
+                collect(
+                    module,
+                    *base,
+                    format!("{path}[{i}]"),
+                    offset + i * stride,
+                    out,
+                );
             }
         }
         // Matrices and runtime arrays do not occur in our uniforms; a value for them would be reported as unknown.
@@ -81,15 +105,29 @@ fn collect(module: &Module, ty: Handle<Type>, path: String, offset: u32, out: &m
 }
 
 /// Bytes of a uniform struct of `size` bytes; every leaf needs a value of its own type.
-pub fn pack(name: &str, leaves: &[Leaf], size: u32, values: &[(String, UniformValue)]) -> Result<Vec<u8>> {
-    let defect = |message: String| Error::Shader { file: format!("uniform `{name}`"), message };
+pub fn pack(
+    name: &str,
+    leaves: &[Leaf],
+    size: u32,
+    values: &[(String, UniformValue)],
+) -> Result<Vec<u8>> {
+    let defect = |message: String| Error::Shader {
+        file: format!("uniform `{name}`"),
+        message,
+    };
     let mut bytes = vec![0_u8; size as usize];
     for leaf in leaves {
-        let value = values.iter().find(|(path, _)| *path == leaf.path).map(|(_, v)| v);
+        let value = values
+            .iter()
+            .find(|(path, _)| *path == leaf.path)
+            .map(|(_, v)| v);
         let value = value.ok_or_else(|| defect(format!("member `{}` has no value", leaf.path)))?;
         let (kind, data) = value.bytes();
         if kind != leaf.kind || data.len() != 4 * leaf.components as usize {
-            return Err(defect(format!("member `{}` is {:?}×{}, the value is {value:?}", leaf.path, leaf.kind, leaf.components)));
+            return Err(defect(format!(
+                "member `{}` is {:?}×{}, the value is {value:?}",
+                leaf.path, leaf.kind, leaf.components
+            )));
         }
         let start = leaf.offset as usize;
         bytes[start..start + data.len()].copy_from_slice(&data);

@@ -15,7 +15,11 @@ pub fn delta_rgb(reference: &Frame, test: &Frame) -> Result<Vec<f32>> {
     let delta = |((view, truth), value): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
         [0, 1, 2].map(|c| {
             let cloud = view[3] > CLOUD_OPACITY;
-            if cloud { (readable(value[c]) - f64::from(truth[c])) as f32 } else { f32::NAN }
+            if cloud {
+                (readable(value[c]) - f64::from(truth[c])) as f32
+            } else {
+                f32::NAN
+            }
         })
     };
     Ok(pixels.flat_map(delta).collect())
@@ -49,7 +53,12 @@ mod tests {
     fn constant_offset_comes_back() {
         let (truth, test) = (uniform(4, 2, 0.5), uniform(4, 2, 0.25));
         assert_eq!(delta_rgb(&truth, &test).unwrap(), vec![-0.25; 24]);
-        assert!(delta_luminance(&truth, &test).unwrap().iter().all(|d| (d + 0.25).abs() < 1e-6));
+        assert!(
+            delta_luminance(&truth, &test)
+                .unwrap()
+                .iter()
+                .all(|d| (d + 0.25).abs() < 1e-6)
+        );
     }
 
     #[test]
@@ -57,7 +66,10 @@ mod tests {
         let truth = cloud(4, 1);
         let mut test = truth.clone();
         test.sun[0][1] = f32::NAN;
-        let (rgb, lum) = (delta_rgb(&truth, &test).unwrap(), delta_luminance(&truth, &test).unwrap());
+        let (rgb, lum) = (
+            delta_rgb(&truth, &test).unwrap(),
+            delta_luminance(&truth, &test).unwrap(),
+        );
         assert_eq!(rgb[..3], [0.0, -truth.sun[0][1], 0.0]);
         assert!(rgb[9..].iter().all(|d| d.is_nan()));
         assert!(lum[0].is_nan());

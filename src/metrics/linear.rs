@@ -38,7 +38,10 @@ pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear> {
     for (truth, value) in cloud_pairs(reference, test) {
         sums.pixels += 1;
         for channel in 0..3 {
-            let (l, delta) = (f64::from(truth[channel]), value[channel] - f64::from(truth[channel]));
+            let (l, delta) = (
+                f64::from(truth[channel]),
+                value[channel] - f64::from(truth[channel]),
+            );
             sums.over += delta.max(0.0);
             sums.under += delta.min(0.0);
             sums.squared += delta * delta;
@@ -58,7 +61,10 @@ pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear> {
         transmittance_rmse: (sums.transmittance / sums.pixels as f64).sqrt(),
         ..ErrorNumbers::default()
     };
-    Ok(Linear { error, cloud_pixel_fraction: sums.pixels as f64 / reference.sun.len() as f64 })
+    Ok(Linear {
+        error,
+        cloud_pixel_fraction: sums.pixels as f64 / reference.sun.len() as f64,
+    })
 }
 
 /// Mean L: the reference's sun-lit radiance averaged over the RGB channels of its cloud pixels, > 0, unit of radiance.
@@ -74,7 +80,13 @@ pub fn mean_sun(reference: &Frame) -> Result<f64> {
         }
     }
     let mean = sum / channels as f64;
-    let refuse = |problem: &str| Err(Error::input("the reference", problem, "Point the camera at a sun-lit cloud."));
+    let refuse = |problem: &str| {
+        Err(Error::input(
+            "the reference",
+            problem,
+            "Point the camera at a sun-lit cloud.",
+        ))
+    };
     if channels == 0 {
         refuse("no pixel has an opacity above 0.01, so there is nothing to measure")
     } else if mean.is_finite() && mean > 0.0 {
@@ -85,15 +97,24 @@ pub fn mean_sun(reference: &Frame) -> Result<f64> {
 }
 
 /// Reference and test values (RGB sun, V) of each cloud pixel; the test's non-finite channels are read as 0.
-fn cloud_pairs<'a>(reference: &'a Frame, test: &'a Frame) -> impl Iterator<Item = ([f32; 4], [f64; 4])> + 'a {
+fn cloud_pairs<'a>(
+    reference: &'a Frame,
+    test: &'a Frame,
+) -> impl Iterator<Item = ([f32; 4], [f64; 4])> + 'a {
     let cloud = reference.radiance.iter().map(|p| p[3] > CLOUD_OPACITY);
     let pairs = reference.sun.iter().zip(&test.sun).zip(cloud);
-    pairs.filter(|(_, cloud)| *cloud).map(|((truth, value), _)| (*truth, value.map(readable)))
+    pairs
+        .filter(|(_, cloud)| *cloud)
+        .map(|((truth, value), _)| (*truth, value.map(readable)))
 }
 
 /// A channel of the test as it enters the sums: NaN and infinity are no light.
 pub(super) fn readable(value: f32) -> f64 {
-    if is_nonfinite(value) { 0.0 } else { f64::from(value) }
+    if is_nonfinite(value) {
+        0.0
+    } else {
+        f64::from(value)
+    }
 }
 
 #[cfg(test)]
@@ -130,14 +151,21 @@ mod tests {
     fn pixels_outside_the_reference_cloud_are_ignored() {
         let truth = cloud(16, 8);
         let mut test = truth.clone();
-        for (pixel, sky) in test.sun.iter_mut().zip(truth.radiance.iter().map(|p| p[3] == 0.0)) {
+        for (pixel, sky) in test
+            .sun
+            .iter_mut()
+            .zip(truth.radiance.iter().map(|p| p[3] == 0.0))
+        {
             if sky {
                 *pixel = [9.0; 4];
             }
         }
         test.radiance.iter_mut().for_each(|p| p[3] = 1.0);
         let got = measure(&truth, &test).unwrap();
-        assert_eq!((got.error.rel_rmse, got.error.transmittance_rmse), (0.0, 0.0));
+        assert_eq!(
+            (got.error.rel_rmse, got.error.transmittance_rmse),
+            (0.0, 0.0)
+        );
         assert_eq!(got.cloud_pixel_fraction, 0.75);
     }
 

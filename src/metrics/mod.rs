@@ -68,7 +68,10 @@ pub fn compare(reference: &Frame, test: &Frame) -> Result<Comparison> {
         nonfinite: nonfinite(test),
         ..linear.error
     };
-    Ok(Comparison { error, cloud_pixel_fraction: linear.cloud_pixel_fraction })
+    Ok(Comparison {
+        error,
+        cloud_pixel_fraction: linear.cloud_pixel_fraction,
+    })
 }
 
 /// NaN or infinite channels of a frame, in radiance (with opacity) and sun (with V).
@@ -86,7 +89,11 @@ fn check_pair(reference: &Frame, test: &Frame) -> Result<()> {
             "{}×{} pixels, the reference has {}×{}",
             test.width, test.height, reference.width, reference.height
         );
-        return Err(Error::input("the test picture", problem, "Compare pictures of the same size."));
+        return Err(Error::input(
+            "the test picture",
+            problem,
+            "Compare pictures of the same size.",
+        ));
     }
     match nonfinite(reference) {
         0 => Ok(()),
@@ -108,17 +115,34 @@ mod testing {
         let pixel = |i: u32| {
             let (x, y) = ((i % width) as f32, (i / width) as f32);
             let v = 0.5 + 0.3 * (x * 0.37).sin() * (y * 0.23).cos();
-            if 4 * (i % width) < 3 * width { [v, 0.9 * v, 0.8 * v, 1.0] } else { [0.1, 0.2, 0.4, 0.0] }
+            if 4 * (i % width) < 3 * width {
+                [v, 0.9 * v, 0.8 * v, 1.0]
+            } else {
+                [0.1, 0.2, 0.4, 0.0]
+            }
         };
         let radiance: Vec<[f32; 4]> = (0..width * height).map(pixel).collect();
-        let sun = radiance.iter().map(|&[r, g, b, a]| [r * a, g * a, b * a, 0.5 * a]).collect();
-        Frame { width, height, radiance, sun }
+        let sun = radiance
+            .iter()
+            .map(|&[r, g, b, a]| [r * a, g * a, b * a, 0.5 * a])
+            .collect();
+        Frame {
+            width,
+            height,
+            radiance,
+            sun,
+        }
     }
 
     /// A uniform cloud of sun-lit radiance `level` and V = `level`.
     pub fn uniform(width: u32, height: u32, level: f32) -> Frame {
         let pixels = (width * height) as usize;
-        Frame { width, height, radiance: vec![[level, level, level, 1.0]; pixels], sun: vec![[level; 4]; pixels] }
+        Frame {
+            width,
+            height,
+            radiance: vec![[level, level, level, 1.0]; pixels],
+            sun: vec![[level; 4]; pixels],
+        }
     }
 }
 
@@ -131,13 +155,21 @@ mod tests {
     fn identical_pictures_have_no_error() {
         let frame = cloud(48, 32);
         let got = compare(&frame, &frame).unwrap();
-        assert_eq!(got.error, ErrorNumbers { ssim: 1.0, ..ErrorNumbers::default() });
+        assert_eq!(
+            got.error,
+            ErrorNumbers {
+                ssim: 1.0,
+                ..ErrorNumbers::default()
+            }
+        );
         assert_eq!(got.cloud_pixel_fraction, 0.75);
     }
 
     #[test]
     fn constant_offset_is_seen_by_every_number() {
-        let got = compare(&uniform(32, 32, 0.5), &uniform(32, 32, 0.6)).unwrap().error;
+        let got = compare(&uniform(32, 32, 0.5), &uniform(32, 32, 0.6))
+            .unwrap()
+            .error;
         for value in [got.rel_rmse, got.bias, got.leak, got.p99_abs, got.max_abs] {
             assert!((value - 0.2).abs() < 1e-6, "{value}");
         }
@@ -153,7 +185,13 @@ mod tests {
         let truth = cloud(48, 32);
         let dimmed = |factor: f32| {
             let mut frame = truth.clone();
-            for pixel in frame.radiance.iter_mut().chain(&mut frame.sun).skip(3).step_by(2) {
+            for pixel in frame
+                .radiance
+                .iter_mut()
+                .chain(&mut frame.sun)
+                .skip(3)
+                .step_by(2)
+            {
                 pixel.iter_mut().take(3).for_each(|v| *v *= factor);
             }
             compare(&truth, &frame).unwrap().error
@@ -172,8 +210,21 @@ mod tests {
         broken.radiance[0][0] = f32::NAN;
         let got = compare(&truth, &broken).unwrap().error;
         assert_eq!(got.nonfinite, 5);
-        assert!(got.rel_rmse > 0.0 && got.darken < 0.0 && got.transmittance_rmse > 0.0 && got.flip_mean > 0.0);
-        let numbers = [got.rel_rmse, got.bias, got.leak, got.p99_abs, got.max_abs, got.flip_p99, got.ssim];
+        assert!(
+            got.rel_rmse > 0.0
+                && got.darken < 0.0
+                && got.transmittance_rmse > 0.0
+                && got.flip_mean > 0.0
+        );
+        let numbers = [
+            got.rel_rmse,
+            got.bias,
+            got.leak,
+            got.p99_abs,
+            got.max_abs,
+            got.flip_p99,
+            got.ssim,
+        ];
         assert!(numbers.iter().all(|v| v.is_finite()));
         let mut all = truth.clone();
         all.sun.fill([f32::NAN; 4]);
@@ -203,7 +254,9 @@ mod tests {
 
     #[test]
     fn one_pixel_can_be_compared() {
-        let got = compare(&uniform(1, 1, 0.5), &uniform(1, 1, 0.25)).unwrap().error;
+        let got = compare(&uniform(1, 1, 0.5), &uniform(1, 1, 0.25))
+            .unwrap()
+            .error;
         assert!((got.bias + 0.5).abs() < 1e-9 && got.ssim < 1.0 && got.flip_mean > 0.0);
     }
 }

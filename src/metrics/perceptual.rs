@@ -22,7 +22,10 @@ pub(super) fn flip((width, height): (u32, u32), reference: &[u8], test: &[u8]) -
     let map = flip_map(image(reference), image(test), PIXELS_PER_DEGREE).to_vec();
     let mut values: Vec<f64> = map.into_iter().map(f64::from).collect();
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    Flip { mean, p99: nearest_rank(&mut values, 0.99).unwrap_or(0.0) }
+    Flip {
+        mean,
+        p99: nearest_rank(&mut values, 0.99).unwrap_or(0.0),
+    }
 }
 
 /// Peak signal-to-noise ratio, dB: −10 log₁₀ of the mean squared difference of all bytes scaled to `[0, 1]`, peak 1.
@@ -58,7 +61,11 @@ mod tests {
         let same = flip(size, &white, &white);
         assert_eq!((same.mean, same.p99), (0.0, 0.0));
         let opposite = flip(size, &black, &white);
-        assert!(opposite.mean > 0.9 && opposite.mean <= 1.0, "{}", opposite.mean);
+        assert!(
+            opposite.mean > 0.9 && opposite.mean <= 1.0,
+            "{}",
+            opposite.mean
+        );
         assert!(opposite.p99 >= opposite.mean - 1e-6);
     }
 

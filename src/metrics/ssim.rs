@@ -20,20 +20,28 @@ const C2: f64 = 0.03 * 0.03;
 pub(super) fn ssim((width, height): (u32, u32), reference: &[u8], test: &[u8]) -> f64 {
     let blur = Blur::new(width as usize, height as usize);
     let (x, y) = (luma(reference), luma(test));
-    let product = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a * b).collect() };
+    let product =
+        |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a * b).collect() };
     let (mean_x, mean_y) = (blur.apply(&x), blur.apply(&y));
-    let (xx, yy, xy) = (blur.apply(&product(&x, &x)), blur.apply(&product(&y, &y)), blur.apply(&product(&x, &y)));
+    let (xx, yy, xy) = (
+        blur.apply(&product(&x, &x)),
+        blur.apply(&product(&y, &y)),
+        blur.apply(&product(&x, &y)),
+    );
     let local = |i: usize| {
         let (mx, my) = (mean_x[i], mean_y[i]);
         let (var_x, var_y, cov) = (xx[i] - mx * mx, yy[i] - my * my, xy[i] - mx * my);
-        ((2.0 * mx * my + C1) * (2.0 * cov + C2)) / ((mx * mx + my * my + C1) * (var_x + var_y + C2))
+        ((2.0 * mx * my + C1) * (2.0 * cov + C2))
+            / ((mx * mx + my * my + C1) * (var_x + var_y + C2))
     };
     (0..mean_x.len()).map(local).sum::<f64>() / mean_x.len() as f64
 }
 
 /// Luma in `[0, 1]` of gamma-encoded RGB (ITU-R BT.601-7, 2011, the weights of the paper's own code).
 fn luma(rgb8: &[u8]) -> Vec<f64> {
-    let weigh = |p: &[u8; 3]| (0.299 * f64::from(p[0]) + 0.587 * f64::from(p[1]) + 0.114 * f64::from(p[2])) / 255.0;
+    let weigh = |p: &[u8; 3]| {
+        (0.299 * f64::from(p[0]) + 0.587 * f64::from(p[1]) + 0.114 * f64::from(p[2])) / 255.0
+    };
     rgb8.as_chunks::<3>().0.iter().map(weigh).collect()
 }
 
@@ -48,7 +56,12 @@ struct Blur {
 impl Blur {
     /// Windows for a picture of at least 1×1 pixel.
     fn new(width: usize, height: usize) -> Self {
-        Self { width, height, along_x: gaussian(width), along_y: gaussian(height) }
+        Self {
+            width,
+            height,
+            along_x: gaussian(width),
+            along_y: gaussian(height),
+        }
     }
 
     /// Weighted means of one plane, `(width − n + 1) × (height − m + 1)` of them.
@@ -57,13 +70,18 @@ impl Blur {
         let rows = self.height + 1 - self.along_y.len();
         let mut across = Vec::with_capacity(columns * self.height);
         for row in plane.chunks_exact(self.width) {
-            across.extend(row.windows(self.along_x.len()).map(|w| dot(w, &self.along_x)));
+            across.extend(
+                row.windows(self.along_x.len())
+                    .map(|w| dot(w, &self.along_x)),
+            );
         }
         let mut out = vec![0.0; columns * rows];
         for (y, line) in out.chunks_exact_mut(columns).enumerate() {
             for (k, weight) in self.along_y.iter().enumerate() {
                 let source = &across[(y + k) * columns..(y + k + 1) * columns];
-                line.iter_mut().zip(source).for_each(|(sum, v)| *sum += weight * v);
+                line.iter_mut()
+                    .zip(source)
+                    .for_each(|(sum, v)| *sum += weight * v);
             }
         }
         out
@@ -72,9 +90,15 @@ impl Blur {
 
 /// Gaussian weights of sum 1, as many as the window has, or the largest odd number up to `limit`.
 fn gaussian(limit: usize) -> Vec<f64> {
-    let size = if limit >= WINDOW { WINDOW } else { limit - (limit + 1) % 2 };
+    let size = if limit >= WINDOW {
+        WINDOW
+    } else {
+        limit - (limit + 1) % 2
+    };
     let centre = (size / 2) as f64;
-    let raw: Vec<f64> = (0..size).map(|i| (-(i as f64 - centre).powi(2) / (2.0 * SIGMA * SIGMA)).exp()).collect();
+    let raw: Vec<f64> = (0..size)
+        .map(|i| (-(i as f64 - centre).powi(2) / (2.0 * SIGMA * SIGMA)).exp())
+        .collect();
     let sum: f64 = raw.iter().sum();
     raw.into_iter().map(|w| w / sum).collect()
 }
@@ -112,7 +136,15 @@ mod tests {
 
     #[test]
     fn inverted_structure_is_negative() {
-        let check = |flip: usize| grey((0..32 * 32).map(move |i| if (i % 32 + i / 32) % 2 == flip { 255 } else { 0 }));
+        let check = |flip: usize| {
+            grey((0..32 * 32).map(move |i| {
+                if (i % 32 + i / 32) % 2 == flip {
+                    255
+                } else {
+                    0
+                }
+            }))
+        };
         assert!(ssim((32, 32), &check(0), &check(1)) < -0.9);
         assert!((ssim((32, 32), &check(0), &check(0)) - 1.0).abs() < 1e-12);
     }
@@ -121,8 +153,16 @@ mod tests {
     fn agrees_with_an_independent_implementation() {
         // scikit-image 0.26, structural_similarity(gaussian_weights=True, sigma=1.5, use_sample_covariance=False).
         let at = |i: usize| (i % 32, i / 32);
-        let one = grey((0..32 * 24).map(at).map(|(x, y)| ((x * 7 + y * 5) % 256) as u8));
-        let other = grey((0..32 * 24).map(at).map(|(x, y)| ((x * 7 + y * 5 + x * y % 17 * 3) % 256) as u8));
+        let one = grey(
+            (0..32 * 24)
+                .map(at)
+                .map(|(x, y)| ((x * 7 + y * 5) % 256) as u8),
+        );
+        let other = grey(
+            (0..32 * 24)
+                .map(at)
+                .map(|(x, y)| ((x * 7 + y * 5 + x * y % 17 * 3) % 256) as u8),
+        );
         assert!((ssim((32, 24), &one, &other) - 0.419_260_171_345_123_17).abs() < 1e-9);
     }
 }

@@ -35,8 +35,13 @@ pub fn summarise(values: &[f64]) -> Option<Stats> {
 /// that sky does not dilute the number. Fewer than two frames, frames of different lengths, no pair with
 /// values, or a mean that is not positive is an [`Error::Input`].
 pub fn flicker(deltas: &[Vec<f32>], mean: f64) -> Result<f64> {
-    let refuse =
-        |problem: &str| Err(Error::input("flicker", problem, "Render a pan of two frames or more of a cloud."));
+    let refuse = |problem: &str| {
+        Err(Error::input(
+            "flicker",
+            problem,
+            "Render a pan of two frames or more of a cloud.",
+        ))
+    };
     if !(mean.is_finite() && mean > 0.0) {
         return refuse("the truths hold no sunlight");
     }
@@ -66,10 +71,16 @@ mod tests {
     #[test]
     fn odd_even_and_single_samples() {
         let odd = summarise(&[3.0, 1.0, 2.0]).unwrap();
-        assert_eq!((odd.median, odd.min, odd.p95, odd.cv, odd.n), (2.0, 1.0, 3.0, 0.5, 3));
+        assert_eq!(
+            (odd.median, odd.min, odd.p95, odd.cv, odd.n),
+            (2.0, 1.0, 3.0, 0.5, 3)
+        );
         assert_eq!(summarise(&[4.0, 1.0, 2.0, 3.0]).unwrap().median, 2.5);
         let one = summarise(&[7.0]).unwrap();
-        assert_eq!((one.median, one.min, one.p95, one.cv, one.n), (7.0, 7.0, 7.0, 0.0, 1));
+        assert_eq!(
+            (one.median, one.min, one.p95, one.cv, one.n),
+            (7.0, 7.0, 7.0, 0.0, 1)
+        );
         assert_eq!(summarise(&[0.0, 0.0]).unwrap().cv, 0.0);
     }
 
@@ -91,10 +102,15 @@ mod tests {
     #[test]
     fn constant_error_does_not_flicker_and_alternation_does() {
         assert_eq!(flicker(&vec![vec![0.3; 12]; 16], 0.5).unwrap(), 0.0);
-        let alternating: Vec<Vec<f32>> = (0..16).map(|t| vec![if t % 2 == 0 { 0.25 } else { -0.25 }; 12]).collect();
+        let alternating: Vec<Vec<f32>> = (0..16)
+            .map(|t| vec![if t % 2 == 0 { 0.25 } else { -0.25 }; 12])
+            .collect();
         assert_eq!(flicker(&alternating, 0.5).unwrap(), 1.0);
         // One change of 1 in two steps of two pixels: √(1/4) / 2.
-        assert_eq!(flicker(&[vec![0.0, 0.0], vec![1.0, 0.0], vec![1.0, 0.0]], 2.0).unwrap(), 0.25);
+        assert_eq!(
+            flicker(&[vec![0.0, 0.0], vec![1.0, 0.0], vec![1.0, 0.0]], 2.0).unwrap(),
+            0.25
+        );
     }
 
     #[test]

@@ -12,7 +12,10 @@ const PARAMS: &[ParamSpec] = &[
         name: "mean",
         unit: "",
         doc: "Mean extinction over: occupied steps (Hillaire 2020), all steps (thesis M), or fitted to the column by least squares.",
-        kind: ParamKind::Choice { options: &["occupied", "all", "fitted"], default: "occupied" },
+        kind: ParamKind::Choice {
+            options: &["occupied", "all", "fitted"],
+            default: "occupied",
+        },
     },
     FORM,
     FRONT,
@@ -32,6 +35,9 @@ impl LightOcclusion for Bsm {
     }
 
     fn plan(&self, _params: &Params) -> Result<Plan> {
-        Ok(Plan { map_values: Some(3), ..Plan::default() })
+        Ok(Plan {
+            map_values: Some(3),
+            ..Plan::default()
+        })
     }
 }

@@ -12,7 +12,11 @@ const PARAMS: &[ParamSpec] = &[
         name: "c",
         unit: "",
         doc: "Sharpness: extinction behind the front is c over the longest column. The published form overflows f16 from c·z = 11.09.",
-        kind: ParamKind::Float { min: 1e-3, max: 1e5, default: 11.0 },
+        kind: ParamKind::Float {
+            min: 1e-3,
+            max: 1e5,
+            default: 11.0,
+        },
     },
     FORM,
     FRONT,
@@ -32,6 +36,9 @@ impl LightOcclusion for Esm {
     }
 
     fn plan(&self, _params: &Params) -> Result<Plan> {
-        Ok(Plan { map_values: Some(1), ..Plan::default() })
+        Ok(Plan {
+            map_values: Some(1),
+            ..Plan::default()
+        })
     }
 }

@@ -21,6 +21,9 @@ impl LightOcclusion for Floor {
     }
 
     fn plan(&self, params: &Params) -> Result<Plan> {
-        Ok(Plan { map_values: Some(params.int("steps")?), ..Plan::default() })
+        Ok(Plan {
+            map_values: Some(params.int("steps")?),
+            ..Plan::default()
+        })
     }
 }

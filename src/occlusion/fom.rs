@@ -13,19 +13,29 @@ const PARAMS: &[ParamSpec] = &[
         name: "order",
         unit: "",
         doc: "Harmonics n; a texel holds 2n + 1 values.",
-        kind: ParamKind::Int { min: 1, max: 15, default: 3 },
+        kind: ParamKind::Int {
+            min: 1,
+            max: 15,
+            default: 3,
+        },
     },
     ParamSpec {
         name: "window",
         unit: "",
         doc: "Weights of the harmonics against ringing: none, lanczos, or fejer (monotone, blurrier).",
-        kind: ParamKind::Choice { options: &["none", "lanczos", "fejer"], default: "none" },
+        kind: ParamKind::Choice {
+            options: &["none", "lanczos", "fejer"],
+            default: "none",
+        },
     },
     ParamSpec {
         name: "bounds",
         unit: "",
         doc: "Interval of the series: the longest column of the map, or each texel's own occupied part (2 values more).",
-        kind: ParamKind::Choice { options: &["map", "texel"], default: "map" },
+        kind: ParamKind::Choice {
+            options: &["map", "texel"],
+            default: "map",
+        },
     },
     FORM,
 ];
@@ -45,7 +55,11 @@ impl LightOcclusion for Fom {
 
     fn plan(&self, params: &Params) -> Result<Plan> {
         let order = params.int("order")?;
-        let bounds = if params.choice("bounds")? == "texel" { 2 } else { 0 };
+        let bounds = if params.choice("bounds")? == "texel" {
+            2
+        } else {
+            0
+        };
         let values = 2 * order + 1 + bounds;
         let layers = values.div_ceil(4);
         let number = |v: u32| Some(v.cast_signed());
@@ -54,6 +68,9 @@ impl LightOcclusion for Fom {
             ("LAYERS".into(), number(layers)),
             ("PADDED".into(), number(4 * layers)),
         ]);
-        Ok(Plan { map_values: Some(values), defs })
+        Ok(Plan {
+            map_values: Some(values),
+            defs,
+        })
     }
 }

@@ -26,7 +26,15 @@ use crate::gpu::Defs;
 use param::{ParamKind, ParamSpec, ParamValue, Params};
 
 /// Every strategy, in the order of menus and charts.
-pub const REGISTRY: &[&dyn LightOcclusion] = &[&srm::Srm, &esm::Esm, &bsm::Bsm, &fom::Fom, &floor::Floor, &none::None, &truth::Truth];
+pub const REGISTRY: &[&dyn LightOcclusion] = &[
+    &srm::Srm,
+    &esm::Esm,
+    &bsm::Bsm,
+    &fom::Fom,
+    &floor::Floor,
+    &none::None,
+    &truth::Truth,
+];
 
 /// What a method is.
 #[derive(Clone, Copy, Debug)]
@@ -73,31 +81,48 @@ pub const MAP_PARAMS: &[ParamSpec] = &[
         name: "resolution",
         unit: "texels",
         doc: "Edge of the square map.",
-        kind: ParamKind::Int { min: 1, max: 65536, default: 512 },
+        kind: ParamKind::Int {
+            min: 1,
+            max: 65536,
+            default: 512,
+        },
     },
     ParamSpec {
         name: "steps",
         unit: "",
         doc: "Samples a map column takes over its own length inside the layer.",
-        kind: ParamKind::Int { min: 1, max: 1000, default: 100 },
+        kind: ParamKind::Int {
+            min: 1,
+            max: 1000,
+            default: 100,
+        },
     },
     ParamSpec {
         name: "storage",
         unit: "",
         doc: "Bits of a stored value: half or single precision.",
-        kind: ParamKind::Choice { options: &["f16", "f32"], default: "f16" },
+        kind: ParamKind::Choice {
+            options: &["f16", "f32"],
+            default: "f16",
+        },
     },
     ParamSpec {
         name: "lookup",
         unit: "",
         doc: "nearest: one texel; hardware: stored values interpolated by the sampler; blend: T of four texels, interpolated.",
-        kind: ParamKind::Choice { options: &["nearest", "hardware", "blend"], default: "blend" },
+        kind: ParamKind::Choice {
+            options: &["nearest", "hardware", "blend"],
+            default: "blend",
+        },
     },
     ParamSpec {
         name: "sampling",
         unit: "",
         doc: "Where a step is sampled: its midpoint, or its far end as in thesis M.",
-        kind: ParamKind::Choice { options: &["midpoint", "end"], default: "midpoint" },
+        kind: ParamKind::Choice {
+            options: &["midpoint", "end"],
+            default: "midpoint",
+        },
     },
 ];
 
@@ -105,14 +130,20 @@ const FRONT: ParamSpec = ParamSpec {
     name: "front",
     unit: "",
     doc: "Where a column's cloud begins: threshold = T first falls below 0.99 (thesis M), first = near edge of the first occupied step.",
-    kind: ParamKind::Choice { options: &["threshold", "first"], default: "threshold" },
+    kind: ParamKind::Choice {
+        options: &["threshold", "first"],
+        default: "threshold",
+    },
 };
 
 const FORM: ParamSpec = ParamSpec {
     name: "form",
     unit: "",
     doc: "stable = cannot overflow; published = the formula as printed, kept to show where it fails.",
-    kind: ParamKind::Choice { options: &["stable", "published"], default: "stable" },
+    kind: ParamKind::Choice {
+        options: &["stable", "published"],
+        default: "stable",
+    },
 };
 
 /// A method with a complete set of parameters.
@@ -138,14 +169,23 @@ pub fn find(id: &str) -> Result<&'static dyn LightOcclusion> {
         .iter()
         .find(|m| m.info().id == id)
         .copied()
-        .ok_or_else(|| Error::input("method", format!("there is no method `{id}`"), format!("Choose one of: {}.", ids.join(", "))))
+        .ok_or_else(|| {
+            Error::input(
+                "method",
+                format!("there is no method `{id}`"),
+                format!("Choose one of: {}.", ids.join(", ")),
+            )
+        })
 }
 
 impl MethodSetup {
     /// The method at its defaults.
     pub fn defaults(id: &str) -> Result<Self> {
         let method = find(id)?;
-        Ok(Self { method, params: Params::defaults(method.info().specs()) })
+        Ok(Self {
+            method,
+            params: Params::defaults(method.info().specs()),
+        })
     }
 
     /// The same with one parameter changed, from text as on the command line.
@@ -153,10 +193,20 @@ impl MethodSetup {
         let info = self.method.info();
         let Some(spec) = info.specs().find(|s| s.name == name) else {
             let names: Vec<_> = info.specs().map(|s| s.name).collect();
-            let choice = if names.is_empty() { "It has none.".to_owned() } else { format!("Choose one of: {}.", names.join(", ")) };
-            return Err(Error::input("--set", format!("`{}` has no parameter `{name}`", info.id), choice));
+            let choice = if names.is_empty() {
+                "It has none.".to_owned()
+            } else {
+                format!("Choose one of: {}.", names.join(", "))
+            };
+            return Err(Error::input(
+                "--set",
+                format!("`{}` has no parameter `{name}`", info.id),
+                choice,
+            ));
         };
-        let value = spec.parse_text(text).map_err(|problem| Error::input("--set", problem, "`occlab methods` lists what is allowed."))?;
+        let value = spec.parse_text(text).map_err(|problem| {
+            Error::input("--set", problem, "`occlab methods` lists what is allowed.")
+        })?;
         self.params.set(spec.name, value);
         Ok(self)
     }
@@ -182,6 +232,9 @@ impl crate::config::MethodCatalogue for Registry {
     }
 
     fn params(&self, id: &str) -> Option<Vec<&'static ParamSpec>> {
-        REGISTRY.iter().find(|m| m.info().id == id).map(|m| m.info().specs().collect())
+        REGISTRY
+            .iter()
+            .find(|m| m.info().id == id)
+            .map(|m| m.info().specs().collect())
     }
 }

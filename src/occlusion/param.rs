@@ -91,19 +91,35 @@ impl ParamSpec {
 
     /// Checks a JSON value; the error is the problem in words, without place or full stop.
     pub fn parse(&self, value: &Value) -> Result<ParamValue, String> {
-        let wrong = || format!("`{}` is {value}, allowed is {}", self.name, self.range_text());
+        let wrong = || {
+            format!(
+                "`{}` is {value}, allowed is {}",
+                self.name,
+                self.range_text()
+            )
+        };
         match self.kind {
             ParamKind::Int { min, max, .. } => {
                 let v = value.as_i64().ok_or_else(wrong)?;
-                (min..=max).contains(&v).then_some(ParamValue::Int(v)).ok_or_else(wrong)
+                (min..=max)
+                    .contains(&v)
+                    .then_some(ParamValue::Int(v))
+                    .ok_or_else(wrong)
             }
             ParamKind::Float { min, max, .. } => {
                 let v = value.as_f64().ok_or_else(wrong)?;
-                (min..=max).contains(&v).then_some(ParamValue::Float(v)).ok_or_else(wrong)
+                (min..=max)
+                    .contains(&v)
+                    .then_some(ParamValue::Float(v))
+                    .ok_or_else(wrong)
             }
             ParamKind::Choice { options, .. } => {
                 let v = value.as_str().ok_or_else(wrong)?;
-                options.iter().find(|o| **o == v).map(|o| ParamValue::Choice(o)).ok_or_else(wrong)
+                options
+                    .iter()
+                    .find(|o| **o == v)
+                    .map(|o| ParamValue::Choice(o))
+                    .ok_or_else(wrong)
             }
         }
     }
@@ -159,5 +175,9 @@ impl Params {
 }
 
 fn undeclared(name: &str) -> Error {
-    Error::input("method", format!("reads the parameter `{name}`, which it does not declare with that type"), "Declare it in the method's ParamSpec list.")
+    Error::input(
+        "method",
+        format!("reads the parameter `{name}`, which it does not declare with that type"),
+        "Declare it in the method's ParamSpec list.",
+    )
 }

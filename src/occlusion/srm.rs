@@ -11,25 +11,39 @@ const PARAMS: &[ParamSpec] = &[
         name: "steps",
         unit: "",
         doc: "Samples of a light ray.",
-        kind: ParamKind::Int { min: 1, max: 1000, default: 10 },
+        kind: ParamKind::Int {
+            min: 1,
+            max: 1000,
+            default: 10,
+        },
     },
     ParamSpec {
         name: "spacing",
         unit: "",
         doc: "quadratic and exponential steps grow with distance; uniform steps reach the layer's exit, uniform_reach ends at reach_m.",
-        kind: ParamKind::Choice { options: &["quadratic", "uniform", "uniform_reach", "exponential"], default: "quadratic" },
+        kind: ParamKind::Choice {
+            options: &["quadratic", "uniform", "uniform_reach", "exponential"],
+            default: "quadratic",
+        },
     },
     ParamSpec {
         name: "reach_m",
         unit: "m",
         doc: "Length of the light ray for uniform_reach.",
-        kind: ParamKind::Float { min: 1e-6, max: 1e6, default: 1000.0 },
+        kind: ParamKind::Float {
+            min: 1e-6,
+            max: 1e6,
+            default: 1000.0,
+        },
     },
     ParamSpec {
         name: "sampling",
         unit: "",
         doc: "Where a step is sampled: midpoint, far end (thesis M), or jittered by the pixel's noise.",
-        kind: ParamKind::Choice { options: &["midpoint", "end", "jittered"], default: "midpoint" },
+        kind: ParamKind::Choice {
+            options: &["midpoint", "end", "jittered"],
+            default: "midpoint",
+        },
     },
 ];
 

@@ -18,7 +18,11 @@ impl LightOcclusion for Truth {
                 name: "step_m",
                 unit: "m",
                 doc: "Length of a light step; the references of a batch use the scene's own (10 m, or 1/1000 of a box's diagonal).",
-                kind: ParamKind::Float { min: 1e-9, max: 1e6, default: 10.0 },
+                kind: ParamKind::Float {
+                    min: 1e-9,
+                    max: 1e6,
+                    default: 10.0,
+                },
             }]],
             monotone: true,
         }

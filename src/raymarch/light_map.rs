@@ -31,11 +31,21 @@ impl MapRectangle {
     /// texels, so that a moving camera does not make the map swim.
     pub fn fit(scene: &Scene, image: ImageSize, resolution: u32) -> Self {
         let sun = scene.sun.direction();
-        let helper = if sun.y.abs() > 0.9 { DVec3::X } else { DVec3::Y };
+        let helper = if sun.y.abs() > 0.9 {
+            DVec3::X
+        } else {
+            DVec3::Y
+        };
         let u_axis = helper.cross(sun).normalize();
         let v_axis = sun.cross(u_axis);
         let Some((low, high)) = seen_bounds(scene, image, u_axis, v_axis) else {
-            return Self { u_axis, v_axis, origin_m: [0.0; 2], extent_m: 1.0, depth_m: 0.0 };
+            return Self {
+                u_axis,
+                v_axis,
+                origin_m: [0.0; 2],
+                extent_m: 1.0,
+                depth_m: 0.0,
+            };
         };
         let r = f64::from(resolution);
         // Snapping the corner down costs up to one texel.
@@ -43,11 +53,20 @@ impl MapRectangle {
         let needed = (high[0] - low[0]).max(high[1] - low[1]).max(1e-9) * MARGIN * room;
         let extent_m = 2f64.powf((needed.log2() * 4.0).ceil() / 4.0);
         let texel_m = extent_m / r;
-        let origin_m = [0, 1].map(|i| ((low[i] + high[i] - extent_m) / 2.0 / texel_m).floor() * texel_m);
+        let origin_m =
+            [0, 1].map(|i| ((low[i] + high[i] - extent_m) / 2.0 / texel_m).floor() * texel_m);
         let far = origin_m.map(|o| o + extent_m);
-        let depth_m = scene.container.longest_column_m(sun, u_axis, v_axis, origin_m, far);
+        let depth_m = scene
+            .container
+            .longest_column_m(sun, u_axis, v_axis, origin_m, far);
         // Columns are measured in f32 on the device: keep d/depth_m at or below 1.
-        Self { u_axis, v_axis, origin_m, extent_m, depth_m: depth_m * (1.0 + 1e-6) }
+        Self {
+            u_axis,
+            v_axis,
+            origin_m,
+            extent_m,
+            depth_m: depth_m * (1.0 + 1e-6),
+        }
     }
 
     /// Members of `Map` in shared/map.wgsl.
@@ -55,7 +74,10 @@ impl MapRectangle {
         vec![
             ("u_axis", UniformValue::Vec3(self.u_axis.as_vec3().into())),
             ("v_axis", UniformValue::Vec3(self.v_axis.as_vec3().into())),
-            ("origin_m", UniformValue::Vec2(self.origin_m.map(|v| v as f32))),
+            (
+                "origin_m",
+                UniformValue::Vec2(self.origin_m.map(|v| v as f32)),
+            ),
             ("extent_m", UniformValue::F32(self.extent_m as f32)),
             ("depth_m", UniformValue::F32(self.depth_m as f32)),
             ("resolution", UniformValue::U32(resolution)),
@@ -65,10 +87,17 @@ impl MapRectangle {
 }
 
 /// Bounds of (p·u, p·v) over the ends of the view's intervals inside the layer.
-fn seen_bounds(scene: &Scene, image: ImageSize, u: DVec3, v: DVec3) -> Option<([f64; 2], [f64; 2])> {
+fn seen_bounds(
+    scene: &Scene,
+    image: ImageSize,
+    u: DVec3,
+    v: DVec3,
+) -> Option<([f64; 2], [f64; 2])> {
     let position = DVec3::from(scene.camera.position_m);
     let (right, up, forward) = scene.camera.basis();
-    let (half_x, half_y) = scene.camera.half_extent(f64::from(image.width) / f64::from(image.height));
+    let (half_x, half_y) = scene
+        .camera
+        .half_extent(f64::from(image.width) / f64::from(image.height));
     let far_m = scene.camera.far_m.unwrap_or(1e30);
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let mut include = |p: DVec3| {
@@ -100,10 +129,25 @@ fn seen_bounds(scene: &Scene, image: ImageSize, u: DVec3, v: DVec3) -> Option<([
 }
 
 /// Nothing outside a box's own shadow needs texels.
-fn clip_to_box(low: &mut [f64; 2], high: &mut [f64; 2], min_m: [f64; 3], max_m: [f64; 3], u: DVec3, v: DVec3) {
+fn clip_to_box(
+    low: &mut [f64; 2],
+    high: &mut [f64; 2],
+    min_m: [f64; 3],
+    max_m: [f64; 3],
+    u: DVec3,
+    v: DVec3,
+) {
     for (i, axis) in [u, v].into_iter().enumerate() {
         let corner = |largest: bool| -> f64 {
-            (0..3).map(|k| if (axis[k] > 0.0) == largest { axis[k] * max_m[k] } else { axis[k] * min_m[k] }).sum()
+            (0..3)
+                .map(|k| {
+                    if (axis[k] > 0.0) == largest {
+                        axis[k] * max_m[k]
+                    } else {
+                        axis[k] * min_m[k]
+                    }
+                })
+                .sum()
         };
         low[i] = low[i].max(corner(false));
         high[i] = high[i].min(corner(true));
@@ -128,15 +172,29 @@ impl TexelFormat {
     /// an optional feature, without which four are taken (and counted as allocated).
     pub fn choose(gpu: &Gpu, values: u32, storage: &str, hardware: bool) -> Result<Self> {
         use wgpu::TextureFormat as F;
-        let make = |texture, channels, bytes, define| Self { texture, channels, bytes, define };
-        let single_f16 = gpu.device.features().contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
+        let make = |texture, channels, bytes, define| Self {
+            texture,
+            channels,
+            bytes,
+            define,
+        };
+        let single_f16 = gpu
+            .device
+            .features()
+            .contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
         let format = match (storage, values) {
             ("f16", 1) if single_f16 => make(F::R16Float, 1, 2, "TEXEL_R16"),
             ("f16", _) => make(F::Rgba16Float, 4, 8, "TEXEL_RGBA16"),
             (_, 1) => make(F::R32Float, 1, 4, "TEXEL_R32"),
             _ => make(F::Rgba32Float, 4, 16, "TEXEL_RGBA32"),
         };
-        if hardware && storage == "f32" && !gpu.device.features().contains(wgpu::Features::FLOAT32_FILTERABLE) {
+        if hardware
+            && storage == "f32"
+            && !gpu
+                .device
+                .features()
+                .contains(wgpu::Features::FLOAT32_FILTERABLE)
+        {
             return Err(Error::gpu(
                 "this adapter cannot interpolate f32 textures (feature float32-filterable)",
                 "Use lookup `blend` or `nearest`, or storage `f16`.",

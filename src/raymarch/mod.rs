@@ -44,12 +44,20 @@ type KernelKey = (String, Vec<(String, String)>, Defs);
 impl Renderer {
     /// A renderer on `gpu`.
     pub fn new(gpu: Gpu) -> Self {
-        Self { gpu, kernels: RefCell::default(), density: RefCell::default() }
+        Self {
+            gpu,
+            kernels: RefCell::default(),
+            density: RefCell::default(),
+        }
     }
 
     /// The compiled kernel of a program, from the cache when it was compiled before.
     fn kernel(&self, program: &Program) -> Result<Rc<Kernel>> {
-        let roles = program.roles.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+        let roles = program
+            .roles
+            .iter()
+            .map(|(a, b)| ((*a).to_owned(), (*b).to_owned()))
+            .collect();
         let key = (program.entry.to_owned(), roles, program.defs.clone());
         if let Some(kernel) = self.kernels.borrow().get(&key) {
             return Ok(kernel.clone());
@@ -64,11 +72,26 @@ impl Renderer {
         let inputs = inputs::scene_inputs(scene, image, true);
         let container_shader = view::container_shader(scene);
         // What a field is built from, as JSON: the calibration reads container and extinction too.
-        let key = serde_json::json!([scene.density, scene.container, scene.medium.extinction_per_m]).to_string();
-        let kept = self.density.borrow().as_ref().filter(|(k, _)| *k == key).map(|(_, field)| field.clone());
+        let key = serde_json::json!([
+            scene.density,
+            scene.container,
+            scene.medium.extinction_per_m
+        ])
+        .to_string();
+        let kept = self
+            .density
+            .borrow()
+            .as_ref()
+            .filter(|(k, _)| *k == key)
+            .map(|(_, field)| field.clone());
         let density = match kept {
             Some(field) => field,
-            None => Rc::new(DensityField::new(&self.gpu, scene, container_shader, &inputs)?),
+            None => Rc::new(DensityField::new(
+                &self.gpu,
+                scene,
+                container_shader,
+                &inputs,
+            )?),
         };
         *self.density.borrow_mut() = Some((key, density.clone()));
         View::new(&self.gpu, scene, image, density, inputs)
@@ -85,7 +108,13 @@ impl Renderer {
     }
 
     /// One picture, start to end.
-    pub fn render(&self, scene: &Scene, image: ImageSize, setup: &MethodSetup, progress: Progress) -> Result<(Frame, PassTimes)> {
+    pub fn render(
+        &self,
+        scene: &Scene,
+        image: ImageSize,
+        setup: &MethodSetup,
+        progress: Progress,
+    ) -> Result<(Frame, PassTimes)> {
         let view = self.view(scene, image)?;
         let prepared = self.prepare(&view, setup)?;
         let times = prepared.run(&self.gpu, progress)?;

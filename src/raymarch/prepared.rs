@@ -75,7 +75,12 @@ struct MapPass {
 }
 
 impl Prepared {
-    pub(super) fn new(renderer: &Renderer, view: &View, setup: &MethodSetup, counting: bool) -> Result<Self> {
+    pub(super) fn new(
+        renderer: &Renderer,
+        view: &View,
+        setup: &MethodSetup,
+        counting: bool,
+    ) -> Result<Self> {
         let gpu = &renderer.gpu;
         let plan = setup.method.plan(&setup.params)?;
         let mut defs = view.defs.clone();
@@ -94,19 +99,48 @@ impl Prepared {
                 defs.insert("HAS_MAP".into(), None);
                 let map = MapTexture::new(gpu, view, setup, values, &mut defs, &mut inputs)?;
                 memory = map.memory;
-                Some(MapPass::new(renderer, view, info.shader, &defs, &inputs, &map, counting)?)
+                Some(MapPass::new(
+                    renderer,
+                    view,
+                    info.shader,
+                    &defs,
+                    &inputs,
+                    &map,
+                    counting,
+                )?)
             }
         };
-        memory.allocator_bytes = gpu.allocated_bytes().zip(before).map(|(now, before)| now.saturating_sub(before));
-        let march = renderer.kernel(&Program { entry: "raymarch.wgsl", roles: view.roles(info.shader), defs })?;
+        memory.allocator_bytes = gpu
+            .allocated_bytes()
+            .zip(before)
+            .map(|(now, before)| now.saturating_sub(before));
+        let march = renderer.kernel(&Program {
+            entry: "raymarch.wgsl",
+            roles: view.roles(info.shader),
+            defs,
+        })?;
         check_params_read(setup, &march, map.as_ref())?;
         let image = [view.image.width, view.image.height];
         let march_counts = counting.then(|| counts_buffer(gpu, image));
         offer_counts(&mut inputs, march_counts.as_ref());
-        let tile = gpu.buffer("tile", &[0; 16], wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE);
+        let tile = gpu.buffer(
+            "tile",
+            &[0; 16],
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
+        );
         inputs.resource("tile", Resource::Buffer(tile.clone()));
         let groups = march.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
-        Ok(Self { memory, map, march, groups, tile, timer: Timer::new(gpu), image, tile_rows: Cell::new(FIRST_TILE_ROWS), march_counts })
+        Ok(Self {
+            memory,
+            map,
+            march,
+            groups,
+            tile,
+            timer: Timer::new(gpu),
+            image,
+            tile_rows: Cell::new(FIRST_TILE_ROWS),
+            march_counts,
+        })
     }
 
     /// Renders once, tile by tile.
@@ -114,13 +148,19 @@ impl Prepared {
         let start = Instant::now();
         let mut times = PassTimes::default();
         if let Some(map) = &self.map {
-            times.generate = self.pass(gpu, &map.kernel, &map.groups, [map.resolution, map.resolution, 1])?;
+            times.generate = self.pass(
+                gpu,
+                &map.kernel,
+                &map.groups,
+                [map.resolution, map.resolution, 1],
+            )?;
         }
         let [width, height] = self.image;
         let mut row = 0;
         while row < height {
             let rows = self.tile_rows.get().min(height - row);
-            gpu.queue.write_buffer(&self.tile, 0, bytemuck::bytes_of(&[0, row, width, rows]));
+            gpu.queue
+                .write_buffer(&self.tile, 0, bytemuck::bytes_of(&[0, row, width, rows]));
             let tile_start = Instant::now();
             let ms = self.pass(gpu, &self.march, &self.groups, [width, rows, 1])?;
             self.adapt(rows, tile_start.elapsed().as_secs_f64() * 1e3);
@@ -141,11 +181,20 @@ impl Prepared {
         self.tile_rows.set(((wanted as u32) / step).max(1) * step);
     }
 
-    fn pass(&self, gpu: &Gpu, kernel: &Kernel, groups: &[wgpu::BindGroup], threads: [u32; 3]) -> Result<Option<f64>> {
+    fn pass(
+        &self,
+        gpu: &Gpu,
+        kernel: &Kernel,
+        groups: &[wgpu::BindGroup],
+        threads: [u32; 3],
+    ) -> Result<Option<f64>> {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         {
             let timestamp_writes = self.timer.as_ref().map(Timer::writes);
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: None,
+                timestamp_writes,
+            });
             kernel.dispatch(&mut pass, groups, threads);
         }
         if let Some(timer) = &self.timer {
@@ -162,19 +211,40 @@ impl Prepared {
     pub fn counts(&self, gpu: &Gpu) -> Result<Counts> {
         let [view, light, look_ups, fallbacks] = sum_counts(gpu, self.march_counts.as_ref())?;
         let [map, ..] = sum_counts(gpu, self.map.as_ref().and_then(|m| m.counts.as_ref()))?;
-        Ok(Counts { samples: Samples { view, light, map }, look_ups, fallbacks })
+        Ok(Counts {
+            samples: Samples { view, light, map },
+            look_ups,
+            fallbacks,
+        })
     }
 }
 
 impl MapPass {
-    fn new(renderer: &Renderer, view: &View, shader: &str, defs: &Defs, inputs: &Inputs, map: &MapTexture, counting: bool) -> Result<Self> {
+    fn new(
+        renderer: &Renderer,
+        view: &View,
+        shader: &str,
+        defs: &Defs,
+        inputs: &Inputs,
+        map: &MapTexture,
+        counting: bool,
+    ) -> Result<Self> {
         let gpu = &renderer.gpu;
-        let kernel = renderer.kernel(&Program { entry: "generate.wgsl", roles: view.roles(shader), defs: defs.clone() })?;
+        let kernel = renderer.kernel(&Program {
+            entry: "generate.wgsl",
+            roles: view.roles(shader),
+            defs: defs.clone(),
+        })?;
         let mut inputs = inputs.clone();
         let counts = counting.then(|| counts_buffer(gpu, [map.resolution; 2]));
         offer_counts(&mut inputs, counts.as_ref());
         let groups = kernel.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
-        Ok(Self { kernel, groups, resolution: map.resolution, counts })
+        Ok(Self {
+            kernel,
+            groups,
+            resolution: map.resolution,
+            counts,
+        })
     }
 }
 
@@ -185,7 +255,14 @@ struct MapTexture {
 }
 
 impl MapTexture {
-    fn new(gpu: &Gpu, view: &View, setup: &MethodSetup, values: u32, defs: &mut Defs, inputs: &mut Inputs) -> Result<Self> {
+    fn new(
+        gpu: &Gpu,
+        view: &View,
+        setup: &MethodSetup,
+        values: u32,
+        defs: &mut Defs,
+        inputs: &mut Inputs,
+    ) -> Result<Self> {
         let resolution = setup.params.int("resolution")?;
         let storage = setup.params.choice("storage")?;
         let hardware = setup.params.choice("lookup")? == "hardware";
@@ -195,7 +272,11 @@ impl MapTexture {
         defs.insert(format.define.to_owned(), None);
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("light map"),
-            size: wgpu::Extent3d { width: resolution, height: resolution, depth_or_array_layers: layers },
+            size: wgpu::Extent3d {
+                width: resolution,
+                height: resolution,
+                depth_or_array_layers: layers,
+            },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -204,12 +285,18 @@ impl MapTexture {
             view_formats: &[],
         });
         gpu.check()?;
-        let array = wgpu::TextureViewDescriptor { dimension: Some(wgpu::TextureViewDimension::D2Array), ..Default::default() };
+        let array = wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        };
         inputs.resource("map_texture", Resource::View(texture.create_view(&array)));
         inputs.resource("map_store", Resource::View(texture.create_view(&array)));
         inputs.resource("map_sampler", Resource::Sampler(clamping_sampler(gpu)));
         let rectangle = MapRectangle::fit(&view.scene, view.image, resolution);
-        inputs.uniform("map", rectangle.uniform(resolution, setup.params.int("steps")?));
+        inputs.uniform(
+            "map",
+            rectangle.uniform(resolution, setup.params.int("steps")?),
+        );
         let texels = u64::from(resolution).pow(2);
         let value_bytes = if storage == "f16" { 2 } else { 4 };
         let memory = Memory {
@@ -224,13 +311,26 @@ impl MapTexture {
 fn check_limits(gpu: &Gpu, resolution: u32, layers: u32) -> Result<()> {
     let limits = gpu.device.limits();
     let exceeded = |what: &str, wanted: u32, allowed: u32, remedy: &str| {
-        Err(Error::gpu(format!("the map needs {what} {wanted}, the adapter's limit is {allowed}"), remedy))
+        Err(Error::gpu(
+            format!("the map needs {what} {wanted}, the adapter's limit is {allowed}"),
+            remedy,
+        ))
     };
     if resolution > limits.max_texture_dimension_2d {
-        return exceeded("an edge of", resolution, limits.max_texture_dimension_2d, "Choose a smaller `resolution`.");
+        return exceeded(
+            "an edge of",
+            resolution,
+            limits.max_texture_dimension_2d,
+            "Choose a smaller `resolution`.",
+        );
     }
     if layers > limits.max_texture_array_layers {
-        return exceeded("array layers:", layers, limits.max_texture_array_layers, "Choose fewer `steps` or a lower `order`.");
+        return exceeded(
+            "array layers:",
+            layers,
+            limits.max_texture_array_layers,
+            "Choose fewer `steps` or a lower `order`.",
+        );
     }
     Ok(())
 }
@@ -258,11 +358,17 @@ fn check_params_read(setup: &MethodSetup, march: &Kernel, map: Option<&MapPass>)
     let plan = setup.method.plan(&setup.params)?;
     let kernels = [Some(march), map.map(|m| &*m.kernel)];
     for (name, value) in setup.params.iter() {
-        let read = kernels.iter().flatten().any(|k| k.members("params").contains(&name) || k.members("map").contains(&name));
+        let read = kernels
+            .iter()
+            .flatten()
+            .any(|k| k.members("params").contains(&name) || k.members("map").contains(&name));
         let defined = plan.defs.contains_key(&name.to_uppercase());
         if !read && !defined && !matches!(value, ParamValue::Choice(_)) {
             let info = setup.method.info();
-            return Err(Error::Shader { file: format!("shaders/{}", info.shader), message: format!("no shader reads the parameter `{name}`") });
+            return Err(Error::Shader {
+                file: format!("shaders/{}", info.shader),
+                message: format!("no shader reads the parameter `{name}`"),
+            });
         }
     }
     Ok(())
@@ -270,7 +376,11 @@ fn check_params_read(setup: &MethodSetup, march: &Kernel, map: Option<&MapPass>)
 
 fn counts_buffer(gpu: &Gpu, size: [u32; 2]) -> wgpu::Buffer {
     let bytes = u64::from(size[0]) * u64::from(size[1]) * 16;
-    gpu.empty_buffer("counts", bytes, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)
+    gpu.empty_buffer(
+        "counts",
+        bytes,
+        wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+    )
 }
 
 fn offer_counts(inputs: &mut Inputs, buffer: Option<&wgpu::Buffer>) {
@@ -280,7 +390,12 @@ fn offer_counts(inputs: &mut Inputs, buffer: Option<&wgpu::Buffer>) {
 }
 
 fn sum_counts(gpu: &Gpu, buffer: Option<&wgpu::Buffer>) -> Result<[u64; 4]> {
-    let Some(buffer) = buffer else { return Ok([0; 4]) };
-    let rows: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&read_buffer(gpu, buffer, buffer.size())?);
-    Ok(rows.iter().fold([0; 4], |sum, row| std::array::from_fn(|i| sum[i] + u64::from(row[i]))))
+    let Some(buffer) = buffer else {
+        return Ok([0; 4]);
+    };
+    let rows: Vec<[u32; 4]> =
+        bytemuck::pod_collect_to_vec(&read_buffer(gpu, buffer, buffer.size())?);
+    Ok(rows.iter().fold([0; 4], |sum, row| {
+        std::array::from_fn(|i| sum[i] + u64::from(row[i]))
+    }))
 }

@@ -43,22 +43,39 @@ pub fn cache_folder() -> Option<PathBuf> {
 }
 
 /// The truth of `view`, from `cache` when it is there.
-pub fn truth(renderer: &Renderer, view: &View, cache: Option<&Path>, progress: Progress) -> Result<Truth> {
+pub fn truth(
+    renderer: &Renderer,
+    view: &View,
+    cache: Option<&Path>,
+    progress: Progress,
+) -> Result<Truth> {
     let id = truth_id(renderer, view);
     if let Some(found) = cache.and_then(|folder| read(folder, &id, view)) {
         return Ok(found);
     }
-    let setup = MethodSetup::defaults("truth")?.with("step_m", &view.scene.truth_step_m().to_string())?;
-    let times = renderer.prepare(view, &setup)?.run(&renderer.gpu, progress)?;
+    let setup =
+        MethodSetup::defaults("truth")?.with("step_m", &view.scene.truth_step_m().to_string())?;
+    let times = renderer
+        .prepare(view, &setup)?
+        .run(&renderer.gpu, progress)?;
     let frame = view.read(&renderer.gpu)?;
     let counting = renderer.prepare_counting(view, &setup)?;
     counting.run(&renderer.gpu, progress)?;
     let samples = counting.counts(&renderer.gpu)?.samples;
-    let cost = TruthCost { march_ms: times.march, wall_ms: times.wall, samples };
+    let cost = TruthCost {
+        march_ms: times.march,
+        wall_ms: times.wall,
+        samples,
+    };
     if let Some(folder) = cache {
         write(folder, &id, &frame, &cost)?;
     }
-    Ok(Truth { id, frame, cost, cached: false })
+    Ok(Truth {
+        id,
+        frame,
+        cost,
+        cached: false,
+    })
 }
 
 fn truth_id(renderer: &Renderer, view: &View) -> String {
@@ -77,7 +94,10 @@ fn truth_id(renderer: &Renderer, view: &View) -> String {
 }
 
 fn paths(folder: &Path, id: &str) -> (PathBuf, PathBuf) {
-    (folder.join(format!("{id}.exr")), folder.join(format!("{id}.json")))
+    (
+        folder.join(format!("{id}.exr")),
+        folder.join(format!("{id}.json")),
+    )
 }
 
 /// A complete entry of the right size; anything else is rendered again.
@@ -86,7 +106,12 @@ fn read(folder: &Path, id: &str, view: &View) -> Option<Truth> {
     let cost = serde_json::from_slice(&std::fs::read(facts).ok()?).ok()?;
     let frame = read_frame(&picture).ok()?;
     let fits = frame.width == view.image.width && frame.height == view.image.height;
-    fits.then(|| Truth { id: id.to_owned(), frame, cost, cached: true })
+    fits.then(|| Truth {
+        id: id.to_owned(),
+        frame,
+        cost,
+        cached: true,
+    })
 }
 
 /// The picture first: an entry counts only with its facts.
@@ -95,5 +120,7 @@ fn write(folder: &Path, id: &str, frame: &Frame, cost: &TruthCost) -> Result<()>
     let (picture, facts) = paths(folder, id);
     write_frame(&picture, frame)?;
     let text = serde_json::to_vec_pretty(cost).map_err(|e| Error::writing(&facts)(e.into()))?;
-    write_atomic(&facts, |file| file.write_all(&text).map_err(Error::writing(&facts)))
+    write_atomic(&facts, |file| {
+        file.write_all(&text).map_err(Error::writing(&facts))
+    })
 }

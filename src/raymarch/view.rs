@@ -27,22 +27,43 @@ pub struct View {
 const PIXEL_BYTES: u64 = 16;
 
 impl View {
-    pub(super) fn new(gpu: &Gpu, scene: &Scene, image: ImageSize, density: Rc<DensityField>, mut inputs: Inputs) -> Result<Self> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        image: ImageSize,
+        density: Rc<DensityField>,
+        mut inputs: Inputs,
+    ) -> Result<Self> {
         let bytes = u64::from(image.width) * u64::from(image.height) * PIXEL_BYTES;
         let limit = gpu.device.limits().max_storage_buffer_binding_size;
         if bytes == 0 || bytes > limit {
             return Err(Error::input(
                 "image",
-                format!("{} × {} pixels need {bytes} bytes a buffer, the adapter allows {limit}", image.width, image.height),
+                format!(
+                    "{} × {} pixels need {bytes} bytes a buffer, the adapter allows {limit}",
+                    image.width, image.height
+                ),
                 "Choose another size.",
             ));
         }
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        let (radiance, sun) = (gpu.empty_buffer("radiance", bytes, usage), gpu.empty_buffer("sun", bytes, usage));
+        let (radiance, sun) = (
+            gpu.empty_buffer("radiance", bytes, usage),
+            gpu.empty_buffer("sun", bytes, usage),
+        );
         inputs.resource("radiance_out", Resource::Buffer(radiance.clone()));
         inputs.resource("sun_out", Resource::Buffer(sun.clone()));
         gpu.check()?;
-        Ok(Self { defs: defs(scene, &density), scene: scene.clone(), image, density, inputs, skip: true, radiance, sun })
+        Ok(Self {
+            defs: defs(scene, &density),
+            scene: scene.clone(),
+            image,
+            density,
+            inputs,
+            skip: true,
+            radiance,
+            sun,
+        })
     }
 
     /// Turns the skipping of provably empty space on or off: a uniform, the pipelines are the same. Pictures must not
@@ -55,14 +76,27 @@ impl View {
 
     /// Files that play the roles of a march in this view.
     pub(super) fn roles<'a>(&self, occlusion: &'a str) -> Vec<(&'a str, &'a str)> {
-        vec![("container", container_shader(&self.scene)), ("density", self.density.shader), ("sky", "sky/preetham.wgsl"), ("occlusion", occlusion)]
+        vec![
+            ("container", container_shader(&self.scene)),
+            ("density", self.density.shader),
+            ("sky", "sky/preetham.wgsl"),
+            ("occlusion", occlusion),
+        ]
     }
 
     /// The last picture rendered in this view.
     pub fn read(&self, gpu: &Gpu) -> Result<Frame> {
         let size = u64::from(self.image.width) * u64::from(self.image.height) * PIXEL_BYTES;
-        let read = |buffer| read_buffer(gpu, buffer, size).map(|bytes| bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes));
-        Ok(Frame { width: self.image.width, height: self.image.height, radiance: read(&self.radiance)?, sun: read(&self.sun)? })
+        let read = |buffer| {
+            read_buffer(gpu, buffer, size)
+                .map(|bytes| bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes))
+        };
+        Ok(Frame {
+            width: self.image.width,
+            height: self.image.height,
+            radiance: read(&self.radiance)?,
+            sun: read(&self.sun)?,
+        })
     }
 }
 
@@ -83,6 +117,9 @@ fn defs(scene: &Scene, density: &DensityField) -> Defs {
     };
     define("SKY", scene.sky.is_some());
     define("AMBIENT", scene.ambient.is_some());
-    define("INTEGRATION_THESIS", scene.march.integration == Integration::Thesis);
+    define(
+        "INTEGRATION_THESIS",
+        scene.march.integration == Integration::Thesis,
+    );
     defs
 }

@@ -14,7 +14,9 @@ pub fn cells(report: &Report) -> Result<String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     writer.write_record(&columns).map_err(|e| defect(&e))?;
     for row in &rows {
-        let fields = columns.iter().map(|c| row.get(c).map_or("", String::as_str));
+        let fields = columns
+            .iter()
+            .map(|c| row.get(c).map_or("", String::as_str));
         writer.write_record(fields).map_err(|e| defect(&e))?;
     }
     let bytes = writer.into_inner().map_err(|e| defect(&e))?;
@@ -22,7 +24,11 @@ pub fn cells(report: &Report) -> Result<String> {
 }
 
 fn defect(problem: &dyn std::fmt::Display) -> Error {
-    Error::input("cells.csv", problem.to_string(), "This is a defect of the program; please report it.")
+    Error::input(
+        "cells.csv",
+        problem.to_string(),
+        "This is a defect of the program; please report it.",
+    )
 }
 
 /// One cell as column → text; the measurements stand at the top level, as in the specification of the record.
@@ -57,8 +63,12 @@ fn flatten(prefix: &str, map: &Map<String, Value>, put: &mut dyn FnMut(String, S
 /// Every column, in the order of the record; measurements that no cell has keep their column.
 fn columns(rows: &[BTreeMap<String, String>]) -> Vec<String> {
     let union = |prefix: &'static str| {
-        let mut names: Vec<String> =
-            rows.iter().flat_map(|r| r.keys()).filter(|k| k.starts_with(prefix)).cloned().collect();
+        let mut names: Vec<String> = rows
+            .iter()
+            .flat_map(|r| r.keys())
+            .filter(|k| k.starts_with(prefix))
+            .cloned()
+            .collect();
         names.sort();
         names.dedup();
         names
@@ -81,8 +91,16 @@ fn measurements() -> Vec<String> {
         reference: String::new(),
         cloud_pixel_fraction: 0.0,
         fallback_fraction: 0.0,
-        memory: Memory { allocator_bytes: Some(0), ..Memory::default() },
-        time_ms: Times { generate: stats, march: stats, total: stats, wall: stats },
+        memory: Memory {
+            allocator_bytes: Some(0),
+            ..Memory::default()
+        },
+        time_ms: Times {
+            generate: stats,
+            march: stats,
+            total: stats,
+            wall: stats,
+        },
         rounds_total_ms: Vec::new(),
         samples: Samples::default(),
         error: ErrorNumbers {

@@ -17,14 +17,17 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     }
     let mut file = builder.tempfile_in(folder).map_err(Error::writing(path))?;
     file.write_all(bytes).map_err(Error::writing(path))?;
-    file.persist(path).map_err(|e| Error::writing(path)(e.error))?;
+    file.persist(path)
+        .map_err(|e| Error::writing(path)(e.error))?;
     Ok(())
 }
 
 /// A record's file path as a path inside `folder`, or why it is refused. The file need not exist.
 pub fn inside(folder: &Path, name: &str) -> Result<PathBuf, String> {
     let refused = || Err(format!("refused: `{name}` leads outside the report folder"));
-    let plain = Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+    let plain = Path::new(name)
+        .components()
+        .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
     if name.is_empty() || !plain || name.contains(['\\', ':', '\0']) {
         return refused();
     }
@@ -40,7 +43,9 @@ pub fn link(name: &str) -> String {
     let mut out = String::from("./");
     for byte in name.bytes() {
         match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'/' => out.push(char::from(byte)),
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'/' => {
+                out.push(char::from(byte))
+            }
             _ => out.push_str(&format!("%{byte:02X}")),
         }
     }

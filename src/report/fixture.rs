@@ -2,8 +2,8 @@
 //! that is not there, and names that try to break out of the page.
 
 use crate::batch::record::{
-    Cell, Environment, ErrorNumbers, ImageSize, Measured, Memory, Reference, Report, SCHEMA, Samples, Stats, Times,
-    WallClock,
+    Cell, Environment, ErrorNumbers, ImageSize, Measured, Memory, Reference, Report, SCHEMA,
+    Samples, Stats, Times, WallClock,
 };
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -14,7 +14,10 @@ pub const HOSTILE: &str = "cumulus <script>alert(\"1\")</script> & 'quotes'";
 pub const ADAPTER: &str = "llvmpipe (LLVM 15.0.6, 256 bits)";
 const SCENES: [&str; 2] = [HOSTILE, "Stratus deck, 2 km"];
 const SUNS: [f64; 2] = [60.0, 12.5];
-const IMAGE: ImageSize = ImageSize { width: 640, height: 360 };
+const IMAGE: ImageSize = ImageSize {
+    width: 640,
+    height: 360,
+};
 
 fn map(value: Value) -> Map<String, Value> {
     value.as_object().cloned().unwrap_or_default()
@@ -26,7 +29,14 @@ fn settings() -> Vec<(&'static str, Value, f64, f64, f64, u64)> {
     for (spacing, worse) in [("quadratic", 1.0), ("uniform", 2.9)] {
         for (steps, error) in [(6, 0.309), (10, 0.153), (20, 0.055)] {
             let time = 110.0 + 21.0 * f64::from(steps);
-            out.push(("srm", json!({"spacing": spacing, "steps": steps}), error * worse, 0.0, time, 0));
+            out.push((
+                "srm",
+                json!({"spacing": spacing, "steps": steps}),
+                error * worse,
+                0.0,
+                time,
+                0,
+            ));
         }
     }
     for resolution in [256, 512, 1024] {
@@ -37,10 +47,38 @@ fn settings() -> Vec<(&'static str, Value, f64, f64, f64, u64)> {
             p.extend(map(extra));
             Value::Object(p)
         };
-        out.push(("esm", params(json!({"c": 11.09})), 0.340 + 0.02 * finer, pass, 141.0, 1));
-        out.push(("bsm", params(json!({"mean": "fitted"})), 0.370 + 0.02 * finer, 1.1 * pass, 149.0, 3));
-        out.push(("fom", params(json!({"order": 3})), 0.250 + 0.03 * finer, 1.5 * pass, 163.0, 7));
-        out.push(("floor", params(json!({})), 0.069 * (1.0 + finer), 1.2 * pass, 158.0, 100));
+        out.push((
+            "esm",
+            params(json!({"c": 11.09})),
+            0.340 + 0.02 * finer,
+            pass,
+            141.0,
+            1,
+        ));
+        out.push((
+            "bsm",
+            params(json!({"mean": "fitted"})),
+            0.370 + 0.02 * finer,
+            1.1 * pass,
+            149.0,
+            3,
+        ));
+        out.push((
+            "fom",
+            params(json!({"order": 3})),
+            0.250 + 0.03 * finer,
+            1.5 * pass,
+            163.0,
+            7,
+        ));
+        out.push((
+            "floor",
+            params(json!({})),
+            0.069 * (1.0 + finer),
+            1.2 * pass,
+            158.0,
+            100,
+        ));
     }
     out.push(("none", json!({}), 2.4, 0.0, 108.0, 0));
     out
@@ -58,8 +96,10 @@ pub fn report() -> Report {
         }
     }
     cells[13].result = None;
-    cells[13].failed =
-        Some("adapter: texture of 2.1 GiB exceeds the limit of 1 GiB; lower `resolution` <b>now</b>".into());
+    cells[13].failed = Some(
+        "adapter: texture of 2.1 GiB exceeds the limit of 1 GiB; lower `resolution` <b>now</b>"
+            .into(),
+    );
     if let Some(result) = &mut cells[7].result {
         result.time_ms = Times::default();
     }
@@ -77,7 +117,11 @@ pub fn report() -> Report {
         cells,
         references: references(),
         claims: Vec::new(),
-        wall: WallClock { total_s: 412.7, passes_s: 371.2, compile_s: 18.4 },
+        wall: WallClock {
+            total_s: 412.7,
+            passes_s: 371.2,
+            compile_s: 18.4,
+        },
     }
 }
 
@@ -111,7 +155,13 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
     let texels = params["resolution"].as_u64().map_or(0, |r| r * r);
     let payload = 2 * values * texels;
     let rel_rmse = error * harder;
-    let time = |median: f64| Stats { median, min: 0.97 * median, p95: 1.06 * median, cv: 0.018, n: 9 };
+    let time = |median: f64| Stats {
+        median,
+        min: 0.97 * median,
+        p95: 1.06 * median,
+        cv: 0.018,
+        n: 9,
+    };
     Cell {
         id: format!("{index:016x}"),
         index,
@@ -129,7 +179,11 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
             fallback_fraction: if *values > 0 { 0.0123 } else { 0.0 },
             memory: Memory {
                 payload_bytes: payload,
-                map_bytes: if *values == 3 || *values == 7 { payload.next_power_of_two() } else { payload },
+                map_bytes: if *values == 3 || *values == 7 {
+                    payload.next_power_of_two()
+                } else {
+                    payload
+                },
                 allocator_bytes: None,
             },
             time_ms: Times {
@@ -176,13 +230,28 @@ fn errors(rel_rmse: f64, has_map: bool) -> ErrorNumbers {
 pub fn paint(folder: &Path, report: &Report, without: usize) {
     std::fs::create_dir_all(folder.join("images")).expect("folder");
     for (i, reference) in report.references.iter().enumerate() {
-        picture(folder, reference.files["png"].as_str().expect("name"), 0.0, i as f32);
+        picture(
+            folder,
+            reference.files["png"].as_str().expect("name"),
+            0.0,
+            i as f32,
+        );
     }
     for cell in report.cells.iter().filter(|c| c.index != without) {
         if let Some(result) = &cell.result {
             let scene = if cell.scene == HOSTILE { 0.0 } else { 2.0 };
-            picture(folder, result.files["png"].as_str().expect("name"), result.error.rel_rmse as f32, scene);
-            difference(folder, result.files["diff_png"].as_str().expect("name"), result.error.rel_rmse as f32, scene);
+            picture(
+                folder,
+                result.files["png"].as_str().expect("name"),
+                result.error.rel_rmse as f32,
+                scene,
+            );
+            difference(
+                folder,
+                result.files["diff_png"].as_str().expect("name"),
+                result.error.rel_rmse as f32,
+                scene,
+            );
         }
     }
 }
@@ -190,7 +259,9 @@ pub fn paint(folder: &Path, report: &Report, without: usize) {
 /// Soft blobs: something to look at, not physics.
 fn cloud(x: u32, y: u32, scene: f32) -> f32 {
     let (u, v) = (x as f32 / 320.0, y as f32 / 180.0);
-    let blob = |cx: f32, cy: f32, r: f32| (1.0 - ((u - cx).powi(2) * 3.0 + (v - cy).powi(2)) / (r * r)).max(0.0);
+    let blob = |cx: f32, cy: f32, r: f32| {
+        (1.0 - ((u - cx).powi(2) * 3.0 + (v - cy).powi(2)) / (r * r)).max(0.0)
+    };
     blob(0.3 + 0.1 * scene, 0.55, 0.4) + blob(0.55, 0.5, 0.55) * 0.8 + blob(0.8, 0.62, 0.3)
 }
 
@@ -201,7 +272,9 @@ fn picture(folder: &Path, name: &str, error: f32, scene: f32) {
         let mix = |sky: f32| ((sky * (1.0 - c) + 240.0 * light * c) as i32).clamp(0, 255) as u8;
         image::Rgb([mix(90.0), mix(130.0), mix(190.0)])
     };
-    image::RgbImage::from_fn(496, 279, |x, y| paint(x * 2 / 3, y * 2 / 3)).save(folder.join(name)).expect("picture");
+    image::RgbImage::from_fn(496, 279, |x, y| paint(x * 2 / 3, y * 2 / 3))
+        .save(folder.join(name))
+        .expect("picture");
 }
 
 fn difference(folder: &Path, name: &str, error: f32, scene: f32) {
@@ -215,5 +288,7 @@ fn difference(folder: &Path, name: &str, error: f32, scene: f32) {
             image::Rgb([fade(20.0), fade(80.0), fade(170.0)])
         }
     };
-    image::RgbImage::from_fn(496, 279, |x, y| paint(x * 2 / 3, y * 2 / 3)).save(folder.join(name)).expect("picture");
+    image::RgbImage::from_fn(496, 279, |x, y| paint(x * 2 / 3, y * 2 / 3))
+        .save(folder.join(name))
+        .expect("picture");
 }

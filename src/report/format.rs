@@ -19,7 +19,9 @@ pub fn number(value: f64) -> String {
 
 /// [`number`] or "n/a".
 pub fn maybe(value: Option<f64>) -> String {
-    value.filter(|v| v.is_finite()).map_or_else(|| NONE.to_owned(), number)
+    value
+        .filter(|v| v.is_finite())
+        .map_or_else(|| NONE.to_owned(), number)
 }
 
 /// A share with its sign, in per cent: `+4.2 %`.
@@ -62,7 +64,11 @@ pub fn bytes(value: u64) -> String {
         size /= 1024.0;
         unit += 1;
     }
-    if size.fract() == 0.0 { format!("{size} {}", UNITS[unit]) } else { format!("{} {}", number(size), UNITS[unit]) }
+    if size.fract() == 0.0 {
+        format!("{size} {}", UNITS[unit])
+    } else {
+        format!("{} {}", number(size), UNITS[unit])
+    }
 }
 
 /// Counts in thousands, millions, billions.

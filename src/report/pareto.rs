@@ -3,10 +3,15 @@
 /// Indices of the points that no other point beats in both coordinates (smaller is better), by growing first
 /// coordinate. Of equal points the first is kept; points that are not finite take no part.
 pub fn frontier(points: &[(f64, f64)]) -> Vec<usize> {
-    let mut order: Vec<usize> =
-        (0..points.len()).filter(|&i| points[i].0.is_finite() && points[i].1.is_finite()).collect();
+    let mut order: Vec<usize> = (0..points.len())
+        .filter(|&i| points[i].0.is_finite() && points[i].1.is_finite())
+        .collect();
     order.sort_by(|&a, &b| {
-        points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)).then(a.cmp(&b))
+        points[a]
+            .0
+            .total_cmp(&points[b].0)
+            .then(points[a].1.total_cmp(&points[b].1))
+            .then(a.cmp(&b))
     });
     let mut best = f64::INFINITY;
     order.retain(|&i| {
@@ -23,7 +28,14 @@ mod tests {
 
     #[test]
     fn keeps_what_nothing_beats() {
-        let points = [(4.0, 1.0), (1.0, 4.0), (2.0, 2.0), (3.0, 3.0), (2.5, 2.0), (5.0, 0.5)];
+        let points = [
+            (4.0, 1.0),
+            (1.0, 4.0),
+            (2.0, 2.0),
+            (3.0, 3.0),
+            (2.5, 2.0),
+            (5.0, 0.5),
+        ];
         assert_eq!(frontier(&points), [1, 2, 0, 5]);
     }
 
@@ -34,7 +46,10 @@ mod tests {
 
     #[test]
     fn non_finite_points_take_no_part() {
-        assert_eq!(frontier(&[(f64::NAN, 0.0), (1.0, f64::INFINITY), (2.0, 1.0)]), [2]);
+        assert_eq!(
+            frontier(&[(f64::NAN, 0.0), (1.0, f64::INFINITY), (2.0, 1.0)]),
+            [2]
+        );
         assert!(frontier(&[]).is_empty());
     }
 }

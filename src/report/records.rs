@@ -44,7 +44,9 @@ fn unreadable(path: &Path, problem: &serde_json::Error) -> Error {
 /// JSON writes NaN and infinity as `null`; where the record demands a number, the cell has failed.
 fn fail_non_finite(cell: &mut Cell) {
     let Some(measured) = &cell.result else { return };
-    let Ok(value) = serde_json::to_value(measured) else { return };
+    let Ok(value) = serde_json::to_value(measured) else {
+        return;
+    };
     if serde_json::from_value::<Measured>(value.clone()).is_ok() {
         return;
     }
@@ -71,11 +73,20 @@ const OPTIONAL: [&str; 8] = [
 ];
 
 fn nulls(value: &Value, name: &str, out: &mut Vec<String>) {
-    let join = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
+    let join = |key: &str| {
+        if name.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{name}.{key}")
+        }
+    };
     match value {
         Value::Null if !OPTIONAL.contains(&name) => out.push(name.to_owned()),
         Value::Object(map) => map.iter().for_each(|(k, v)| nulls(v, &join(k), out)),
-        Value::Array(items) => items.iter().enumerate().for_each(|(i, v)| nulls(v, &join(&i.to_string()), out)),
+        Value::Array(items) => items
+            .iter()
+            .enumerate()
+            .for_each(|(i, v)| nulls(v, &join(&i.to_string()), out)),
         _ => {}
     }
 }

@@ -34,13 +34,55 @@ pub struct Style {
 }
 
 const KNOWN: [(&str, Style); 7] = [
-    ("truth", Style { rgb: (0x00, 0x00, 0x00), marker: Marker::Star }),
-    ("srm", Style { rgb: (0x17, 0x3a, 0x8f), marker: Marker::Circle }),
-    ("fom", Style { rgb: (0x8f, 0x2a, 0x7c), marker: Marker::Diamond }),
-    ("bsm", Style { rgb: (0xc4, 0x50, 0x1b), marker: Marker::Up }),
-    ("esm", Style { rgb: (0x1b, 0x9b, 0x80), marker: Marker::Square }),
-    ("floor", Style { rgb: (0xdb, 0xa1, 0x1c), marker: Marker::Plus }),
-    ("none", Style { rgb: (0x9c, 0xc8, 0xee), marker: Marker::Cross }),
+    (
+        "truth",
+        Style {
+            rgb: (0x00, 0x00, 0x00),
+            marker: Marker::Star,
+        },
+    ),
+    (
+        "srm",
+        Style {
+            rgb: (0x17, 0x3a, 0x8f),
+            marker: Marker::Circle,
+        },
+    ),
+    (
+        "fom",
+        Style {
+            rgb: (0x8f, 0x2a, 0x7c),
+            marker: Marker::Diamond,
+        },
+    ),
+    (
+        "bsm",
+        Style {
+            rgb: (0xc4, 0x50, 0x1b),
+            marker: Marker::Up,
+        },
+    ),
+    (
+        "esm",
+        Style {
+            rgb: (0x1b, 0x9b, 0x80),
+            marker: Marker::Square,
+        },
+    ),
+    (
+        "floor",
+        Style {
+            rgb: (0xdb, 0xa1, 0x1c),
+            marker: Marker::Plus,
+        },
+    ),
+    (
+        "none",
+        Style {
+            rgb: (0x9c, 0xc8, 0xee),
+            marker: Marker::Cross,
+        },
+    ),
 ];
 
 /// Colours of methods that are not known by name, by growing lightness.
@@ -75,7 +117,10 @@ impl Style {
             return *style;
         }
         let slot = fnv1a(method) as usize % (OTHERS.len() * SHAPES.len());
-        Self { rgb: OTHERS[slot % OTHERS.len()], marker: SHAPES[slot % SHAPES.len()] }
+        Self {
+            rgb: OTHERS[slot % OTHERS.len()],
+            marker: SHAPES[slot % SHAPES.len()],
+        }
     }
 
     /// `#rrggbb`.
@@ -87,7 +132,9 @@ impl Style {
 
 /// 64-bit FNV-1a: small, and the same on every machine and in every version.
 fn fnv1a(text: &str) -> u64 {
-    text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| {
+        (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)
+    })
 }
 
 impl Marker {
@@ -119,10 +166,23 @@ impl Marker {
 fn cross(r: f64, degrees: f64) -> Vec<(f64, f64)> {
     let (a, b) = (0.45 * r, 1.35 * r);
     let (sin, cos) = degrees.to_radians().sin_cos();
-    [(-a, -b), (a, -b), (a, -a), (b, -a), (b, a), (a, a), (a, b), (-a, b), (-a, a), (-b, a), (-b, -a), (-a, -a)]
-        .iter()
-        .map(|(x, y)| (x * cos - y * sin, x * sin + y * cos))
-        .collect()
+    [
+        (-a, -b),
+        (a, -b),
+        (a, -a),
+        (b, -a),
+        (b, a),
+        (a, a),
+        (a, b),
+        (-a, b),
+        (-a, a),
+        (-b, a),
+        (-b, -a),
+        (-a, -a),
+    ]
+    .iter()
+    .map(|(x, y)| (x * cos - y * sin, x * sin + y * cos))
+    .collect()
 }
 
 #[cfg(test)]
@@ -133,17 +193,28 @@ mod tests {
     fn lightness((r, g, b): (u8, u8, u8)) -> f64 {
         let linear = |c: u8| {
             let c = f64::from(c) / 255.0;
-            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
+            }
         };
         let y = 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
-        if y > 0.008_856 { 116.0 * y.cbrt() - 16.0 } else { 903.3 * y }
+        if y > 0.008_856 {
+            116.0 * y.cbrt() - 16.0
+        } else {
+            903.3 * y
+        }
     }
 
     #[test]
     fn known_methods_differ_in_lightness_and_shape() {
         for (i, (a, sa)) in KNOWN.iter().enumerate() {
             for (b, sb) in &KNOWN[i + 1..] {
-                assert!((lightness(sa.rgb) - lightness(sb.rgb)).abs() >= 8.0, "{a} and {b} print as the same grey");
+                assert!(
+                    (lightness(sa.rgb) - lightness(sb.rgb)).abs() >= 8.0,
+                    "{a} and {b} print as the same grey"
+                );
                 assert_ne!(sa.marker, sb.marker, "{a} and {b} share a marker");
             }
         }
@@ -153,6 +224,10 @@ mod tests {
     fn unknown_methods_keep_their_style() {
         assert_eq!(Style::of("my_method"), Style::of("my_method"));
         assert_ne!(Style::of("my_method"), Style::of("another"));
-        assert!(KNOWN.iter().all(|(_, s)| s.rgb != Style::of("my_method").rgb));
+        assert!(
+            KNOWN
+                .iter()
+                .all(|(_, s)| s.rgb != Style::of("my_method").rgb)
+        );
     }
 }

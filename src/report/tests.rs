@@ -18,10 +18,18 @@ fn text(path: impl AsRef<Path>) -> String {
 
 /// Every file the report writes, by name.
 fn outputs(dir: &Path) -> BTreeMap<String, String> {
-    let mut out: BTreeMap<String, String> =
-        ["index.html", "cells.csv", "report.json"].iter().map(|n| ((*n).to_owned(), text(dir.join(n)))).collect();
-    for entry in std::fs::read_dir(dir.join("charts")).expect("charts").flatten() {
-        out.insert(entry.file_name().to_string_lossy().into_owned(), text(entry.path()));
+    let mut out: BTreeMap<String, String> = ["index.html", "cells.csv", "report.json"]
+        .iter()
+        .map(|n| ((*n).to_owned(), text(dir.join(n))))
+        .collect();
+    for entry in std::fs::read_dir(dir.join("charts"))
+        .expect("charts")
+        .flatten()
+    {
+        out.insert(
+            entry.file_name().to_string_lossy().into_owned(),
+            text(entry.path()),
+        );
     }
     out
 }
@@ -31,14 +39,33 @@ fn page_escapes_hostile_names_and_needs_no_network() {
     let dir = tempfile::tempdir().expect("folder");
     let (_, page) = written(dir.path());
     let html = text(page);
-    assert!(!html.contains("<script>alert"), "a scene's name became markup");
-    assert!(!html.contains("<b>now</b>"), "a failure's reason became markup");
+    assert!(
+        !html.contains("<script>alert"),
+        "a scene's name became markup"
+    );
+    assert!(
+        !html.contains("<b>now</b>"),
+        "a failure's reason became markup"
+    );
     assert!(html.contains("&lt;script&gt;alert"));
-    for scheme in ["src=\"http", "href=\"http", "url(", "@import", "href=\"//", "src=\"//"] {
-        assert!(!html.contains(scheme), "the page asks for something outside: {scheme}");
+    for scheme in [
+        "src=\"http",
+        "href=\"http",
+        "url(",
+        "@import",
+        "href=\"//",
+        "src=\"//",
+    ] {
+        assert!(
+            !html.contains(scheme),
+            "the page asks for something outside: {scheme}"
+        );
     }
     assert!(html.contains("exceeds the limit of 1 GiB") && html.contains("1 cell failed"));
-    assert!(html.matches("data:image/png;base64,").count() > 60, "pictures are embedded");
+    assert!(
+        html.matches("data:image/png;base64,").count() > 60,
+        "pictures are embedded"
+    );
 }
 
 #[test]
@@ -47,16 +74,35 @@ fn csv_has_one_row_a_cell_and_no_false_zeros() {
     let (report, _) = written(dir.path());
     let mut reader = ::csv::Reader::from_path(dir.path().join("cells.csv")).expect("csv");
     let headers = reader.headers().expect("headers").clone();
-    let column = |name: &str| headers.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let column = |name: &str| {
+        headers
+            .iter()
+            .position(|h| h == name)
+            .unwrap_or_else(|| panic!("no column {name}"))
+    };
     let rows: Vec<::csv::StringRecord> = reader.records().map(|r| r.expect("row")).collect();
     assert_eq!(rows.len(), report.cells.len());
     assert_eq!(&rows[0][column("scene")], HOSTILE);
     assert_eq!(&rows[1][column("params.steps")], "10");
-    assert_eq!(&rows[0][column("params.storage")], "", "srm has no such parameter");
-    assert_eq!(&rows[7][column("time_ms.total.median")], "", "no timestamps is empty, not 0");
+    assert_eq!(
+        &rows[0][column("params.storage")],
+        "",
+        "srm has no such parameter"
+    );
+    assert_eq!(
+        &rows[7][column("time_ms.total.median")],
+        "",
+        "no timestamps is empty, not 0"
+    );
     assert!(rows[13][column("failed")].starts_with("adapter:"));
     assert_eq!(&rows[13][column("error.rel_rmse")], "");
-    for name in ["memory.allocator_bytes", "error.flicker", "samples.light", "files.png", "image.width"] {
+    for name in [
+        "memory.allocator_bytes",
+        "error.flicker",
+        "samples.light",
+        "files.png",
+        "image.width",
+    ] {
         column(name);
     }
 }
@@ -65,14 +111,35 @@ fn csv_has_one_row_a_cell_and_no_false_zeros() {
 fn charts_name_adapter_scene_and_sun_in_text_large_enough() {
     let dir = tempfile::tempdir().expect("folder");
     written(dir.path());
-    let charts: Vec<_> = outputs(dir.path()).into_iter().filter(|(n, _)| n.ends_with(".svg")).collect();
+    let charts: Vec<_> = outputs(dir.path())
+        .into_iter()
+        .filter(|(n, _)| n.ends_with(".svg"))
+        .collect();
     assert_eq!(charts.len(), 4 * 4 + 1);
     for (name, svg) in &charts {
-        assert!(svg.contains(ADAPTER) && svg.contains("Cpu"), "{name} does not name its adapter");
-        assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("<script"), "{name}");
-        assert!(name == "memory.svg" || svg.contains("cumulus") || svg.contains("Stratus deck, 2 km · sun"), "{name}");
-        for size in svg.split("font-size=\"").skip(1).filter_map(|s| s.split('"').next()) {
-            assert!(size.parse::<f64>().expect("size") >= 11.999, "{name} has text of {size} px");
+        assert!(
+            svg.contains(ADAPTER) && svg.contains("Cpu"),
+            "{name} does not name its adapter"
+        );
+        assert!(
+            svg.trim_end().ends_with("</svg>") && !svg.contains("<script"),
+            "{name}"
+        );
+        assert!(
+            name == "memory.svg"
+                || svg.contains("cumulus")
+                || svg.contains("Stratus deck, 2 km · sun"),
+            "{name}"
+        );
+        for size in svg
+            .split("font-size=\"")
+            .skip(1)
+            .filter_map(|s| s.split('"').next())
+        {
+            assert!(
+                size.parse::<f64>().expect("size") >= 11.999,
+                "{name} has text of {size} px"
+            );
         }
     }
 }
@@ -86,9 +153,15 @@ fn charts_without_data_are_not_drawn_and_old_ones_go() {
         cell.result.as_mut().expect("result").time_ms = Default::default();
     }
     let page = write(dir.path(), &report).expect("report");
-    let names: Vec<String> = outputs(dir.path()).into_keys().filter(|n| n.ends_with(".svg")).collect();
+    let names: Vec<String> = outputs(dir.path())
+        .into_keys()
+        .filter(|n| n.ends_with(".svg"))
+        .collect();
     assert_eq!(names.len(), 4, "{names:?}");
-    assert!(names.iter().all(|n| n.starts_with("error-bytes")), "{names:?}");
+    assert!(
+        names.iter().all(|n| n.starts_with("error-bytes")),
+        "{names:?}"
+    );
     assert!(text(page).contains("Times are n/a"));
 }
 
@@ -98,17 +171,41 @@ fn a_missing_picture_is_a_notice_and_no_path_leads_outside() {
     let mut report = report();
     paint(dir.path(), &report, usize::MAX);
     std::fs::remove_file(dir.path().join("images/truth-0-0.png")).expect("removed");
-    let escape = ["../secret.png", "/etc/secret.png", "javascript:alert(1).png", "..\\secret.png"];
+    let escape = [
+        "../secret.png",
+        "/etc/secret.png",
+        "javascript:alert(1).png",
+        "..\\secret.png",
+    ];
     for (cell, name) in report.cells.iter_mut().zip(escape) {
-        cell.result.as_mut().expect("result").files.insert("png".into(), name.into());
+        cell.result
+            .as_mut()
+            .expect("result")
+            .files
+            .insert("png".into(), name.into());
     }
     std::fs::write(dir.path().join("broken.png"), "not a picture").expect("file");
-    report.cells[18].result.as_mut().expect("result").files.insert("png".into(), "broken.png".into());
+    report.cells[18]
+        .result
+        .as_mut()
+        .expect("result")
+        .files
+        .insert("png".into(), "broken.png".into());
     let html = text(write(dir.path(), &report).expect("report"));
-    assert!(html.contains("Picture missing.") && html.contains("images/truth-0-0.png` is not in the report folder"));
-    assert_eq!(html.matches("leads outside the report folder").count(), escape.len());
+    assert!(
+        html.contains("Picture missing.")
+            && html.contains("images/truth-0-0.png` is not in the report folder")
+    );
+    assert_eq!(
+        html.matches("leads outside the report folder").count(),
+        escape.len()
+    );
     assert!(html.contains("is not a PNG that can be shown"));
-    assert!(!html.contains("href=\"..") && !html.contains("href=\"/") && !html.contains("href=\"javascript"));
+    assert!(
+        !html.contains("href=\"..")
+            && !html.contains("href=\"/")
+            && !html.contains("href=\"javascript")
+    );
 }
 
 #[test]
@@ -125,23 +222,63 @@ fn rebuilding_from_the_records_changes_no_byte() {
 fn numbers_json_cannot_hold_fail_their_cell_and_the_file_stays_readable() {
     let dir = tempfile::tempdir().expect("folder");
     let mut report = report();
-    report.cells[0].result.as_mut().expect("result").error.rel_rmse = f64::NAN;
-    report.cells[1].result.as_mut().expect("result").error.psnr_db = Some(f64::INFINITY);
-    let total = Some(Stats { median: 1.0, p95: f64::INFINITY, ..Stats::default() });
-    report.cells[2].result.as_mut().expect("result").time_ms.total = total;
+    report.cells[0]
+        .result
+        .as_mut()
+        .expect("result")
+        .error
+        .rel_rmse = f64::NAN;
+    report.cells[1]
+        .result
+        .as_mut()
+        .expect("result")
+        .error
+        .psnr_db = Some(f64::INFINITY);
+    let total = Some(Stats {
+        median: 1.0,
+        p95: f64::INFINITY,
+        ..Stats::default()
+    });
+    report.cells[2]
+        .result
+        .as_mut()
+        .expect("result")
+        .time_ms
+        .total = total;
     let path = write_json(dir.path(), &report).expect("json");
     let read = Report::read(&path).expect("readable");
-    assert!(read.cells[0].failed.as_ref().expect("failed").contains("error.rel_rmse"));
-    assert_eq!(read.cells[1].result.as_ref().expect("kept").error.psnr_db, None);
-    assert!(read.cells[2].failed.as_ref().expect("failed").contains("time_ms.total.p95"));
+    assert!(
+        read.cells[0]
+            .failed
+            .as_ref()
+            .expect("failed")
+            .contains("error.rel_rmse")
+    );
+    assert_eq!(
+        read.cells[1].result.as_ref().expect("kept").error.psnr_db,
+        None
+    );
+    assert!(
+        read.cells[2]
+            .failed
+            .as_ref()
+            .expect("failed")
+            .contains("time_ms.total.p95")
+    );
 }
 
 #[test]
 fn a_report_without_cells_is_a_page_that_says_so() {
     let dir = tempfile::tempdir().expect("folder");
-    let report = Report { cells: Vec::new(), references: Vec::new(), ..report() };
+    let report = Report {
+        cells: Vec::new(),
+        references: Vec::new(),
+        ..report()
+    };
     let html = text(write(dir.path(), &report).expect("report"));
-    assert!(html.contains("No cell has numbers to draw") && html.contains("The report has no truth"));
+    assert!(
+        html.contains("No cell has numbers to draw") && html.contains("The report has no truth")
+    );
 }
 
 /// Not a test of anything: leaves the fixture's report in a folder of your choice to look at.

@@ -17,7 +17,11 @@ pub struct Shot<'a> {
 impl Shot<'_> {
     /// Median total time, ms.
     pub fn total_ms(&self) -> Option<f64> {
-        self.numbers.time_ms.total.map(|t| t.median).filter(|t| *t > 0.0)
+        self.numbers
+            .time_ms
+            .total
+            .map(|t| t.median)
+            .filter(|t| *t > 0.0)
     }
 
     /// Bytes of the map's textures.
@@ -45,7 +49,15 @@ pub struct Case<'a> {
 impl<'a> Case<'a> {
     /// The cells that have numbers.
     pub fn shots(&self) -> Vec<Shot<'a>> {
-        self.cells.iter().filter_map(|cell| Some(Shot { cell, numbers: cell.result.as_ref()? })).collect()
+        self.cells
+            .iter()
+            .filter_map(|cell| {
+                Some(Shot {
+                    cell,
+                    numbers: cell.result.as_ref()?,
+                })
+            })
+            .collect()
     }
 
     /// Its methods in matrix order.
@@ -58,7 +70,12 @@ impl<'a> Case<'a> {
         self.shots()
             .into_iter()
             .filter(|s| s.cell.method == method)
-            .min_by(|a, b| a.numbers.error.rel_rmse.total_cmp(&b.numbers.error.rel_rmse))
+            .min_by(|a, b| {
+                a.numbers
+                    .error
+                    .rel_rmse
+                    .total_cmp(&b.numbers.error.rel_rmse)
+            })
     }
 }
 
@@ -77,10 +94,19 @@ impl<'a> View<'a> {
     pub fn new(report: &'a Report) -> Self {
         let mut varying: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
         for method in distinct(report.cells.iter().map(|c| c.method.as_str())) {
-            let sets: Vec<_> = report.cells.iter().filter(|c| c.method == method).map(|c| &c.params).collect();
+            let sets: Vec<_> = report
+                .cells
+                .iter()
+                .filter(|c| c.method == method)
+                .map(|c| &c.params)
+                .collect();
             varying.insert(method, varying_keys(&sets));
         }
-        Self { report, cases: cases(report), varying }
+        Self {
+            report,
+            cases: cases(report),
+            varying,
+        }
     }
 
     /// Adapter name and device type, for the caption of every table and chart.
@@ -97,7 +123,11 @@ impl<'a> View<'a> {
     /// The setting in words that name each parameter: `steps=10 spacing=quadratic`; empty when nothing varies.
     pub fn setting(&self, cell: &Cell) -> String {
         let named = |k: &&str| cell.params.get(*k).map(|v| format!("{k}={}", plain(v)));
-        self.varying(&cell.method).iter().filter_map(named).collect::<Vec<_>>().join(" ")
+        self.varying(&cell.method)
+            .iter()
+            .filter_map(named)
+            .collect::<Vec<_>>()
+            .join(" ")
     }
 
     /// Method and setting as short as a chart needs it: `srm 10 steps quadratic`.
@@ -108,7 +138,11 @@ impl<'a> View<'a> {
     /// [`Self::short`] without some of the parameters.
     pub fn short_without(&self, cell: &Cell, left_out: &[&str]) -> String {
         let mut words = vec![shorten(&cell.method, 24)];
-        for key in self.varying(&cell.method).iter().filter(|k| !left_out.contains(k)) {
+        for key in self
+            .varying(&cell.method)
+            .iter()
+            .filter(|k| !left_out.contains(k))
+        {
             words.extend(cell.params.get(*key).map(|v| short_value(key, v)));
         }
         words.join(" ")
@@ -126,7 +160,9 @@ fn short_value(key: &str, value: &Value) -> String {
 
 /// A JSON value as plain text, strings without quotes.
 pub fn plain(value: &Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+    value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned)
 }
 
 /// The distinct items, in order of first appearance.
@@ -168,7 +204,12 @@ fn cases(report: &Report) -> Vec<Case<'_>> {
             number: i + 1,
             name: case_name(cells[0], &cells[0].scene, &firsts),
             short_name: case_name(cells[0], &shorten(&cells[0].scene, 64), &firsts),
-            slug: format!("{}-{}-sun{}", i + 1, slug(&cells[0].scene), slug(&cells[0].sun_elevation_deg.to_string())),
+            slug: format!(
+                "{}-{}-sun{}",
+                i + 1,
+                slug(&cells[0].scene),
+                slug(&cells[0].sun_elevation_deg.to_string())
+            ),
             reference: reference(report, &cells),
             cells,
         })
@@ -193,14 +234,21 @@ fn case_name(cell: &Cell, scene: &str, firsts: &[&Cell]) -> String {
         name += &format!(" · {}", cell.backend);
     }
     for key in varying_keys(&firsts.iter().map(|c| &c.scene_set).collect::<Vec<_>>()) {
-        name += &cell.scene_set.get(key).map(|v| format!(" · {key}={}", plain(v))).unwrap_or_default();
+        name += &cell
+            .scene_set
+            .get(key)
+            .map(|v| format!(" · {key}={}", plain(v)))
+            .unwrap_or_default();
     }
     name
 }
 
 /// The truth that the cells name; where all failed, the one of the same scene, sun and size.
 fn reference<'a>(report: &'a Report, cells: &[&Cell]) -> Option<&'a Reference> {
-    let id = cells.iter().find_map(|c| c.result.as_ref()).map(|r| r.reference.as_str());
+    let id = cells
+        .iter()
+        .find_map(|c| c.result.as_ref())
+        .map(|r| r.reference.as_str());
     let same = |r: &&Reference| {
         let c = cells[0];
         r.scene == c.scene && r.sun_elevation_deg == c.sun_elevation_deg && r.image == c.image

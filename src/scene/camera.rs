@@ -29,16 +29,31 @@ fn default_up() -> [f64; 3] {
 
 impl Camera {
     pub(super) fn validate(&self) -> Result<(), Problem> {
-        check_all("/camera/position_m", &self.position_m, "finite", |v| v.abs() <= 1e9)?;
-        check_all("/camera/target_m", &self.target_m, "finite", |v| v.abs() <= 1e9)?;
+        check_all("/camera/position_m", &self.position_m, "finite", |v| {
+            v.abs() <= 1e9
+        })?;
+        check_all("/camera/target_m", &self.target_m, "finite", |v| {
+            v.abs() <= 1e9
+        })?;
         check_all("/camera/up", &self.up, "finite", |_| true)?;
-        check("/camera/fov_y_deg", self.fov_y_deg, "0.1…170°", |v| (0.1..=170.0).contains(&v))?;
+        check("/camera/fov_y_deg", self.fov_y_deg, "0.1…170°", |v| {
+            (0.1..=170.0).contains(&v)
+        })?;
         if let Some(far_m) = self.far_m {
             check("/camera/far_m", far_m, "above 0 m", |v| v > 0.0)?;
         }
-        let (forward, up) = (DVec3::from(self.target_m) - DVec3::from(self.position_m), DVec3::from(self.up));
-        if forward.cross(up).length() < 1e-9 * forward.length() * up.length() || forward == DVec3::ZERO || up == DVec3::ZERO {
-            return Err(Problem::new("/camera/up", "up is parallel to the view direction, or the target is the position"));
+        let (forward, up) = (
+            DVec3::from(self.target_m) - DVec3::from(self.position_m),
+            DVec3::from(self.up),
+        );
+        if forward.cross(up).length() < 1e-9 * forward.length() * up.length()
+            || forward == DVec3::ZERO
+            || up == DVec3::ZERO
+        {
+            return Err(Problem::new(
+                "/camera/up",
+                "up is parallel to the view direction, or the target is the position",
+            ));
         }
         Ok(())
     }

@@ -29,17 +29,36 @@ pub enum Container {
 impl Container {
     pub(super) fn validate(&self) -> Result<(), Problem> {
         match self {
-            Self::Shell { planet_radius_m, base_m, top_m } => {
-                check("/container/shell/planet_radius_m", *planet_radius_m, "1e4…1e9 m", |v| (1e4..=1e9).contains(&v))?;
+            Self::Shell {
+                planet_radius_m,
+                base_m,
+                top_m,
+            } => {
+                check(
+                    "/container/shell/planet_radius_m",
+                    *planet_radius_m,
+                    "1e4…1e9 m",
+                    |v| (1e4..=1e9).contains(&v),
+                )?;
                 check("/container/shell/base_m", *base_m, "above 0 m", |v| v > 0.0)?;
-                check("/container/shell/top_m", *top_m, "above base_m and at most a tenth of the planet's radius", |v| {
-                    v > *base_m && v <= planet_radius_m / 10.0
-                })
+                check(
+                    "/container/shell/top_m",
+                    *top_m,
+                    "above base_m and at most a tenth of the planet's radius",
+                    |v| v > *base_m && v <= planet_radius_m / 10.0,
+                )
             }
             Self::Box { min_m, max_m } => {
                 check_all("/container/box/min_m", min_m, "finite", |v| v.abs() < 1e9)?;
                 check_all("/container/box/max_m", max_m, "finite", |v| v.abs() < 1e9)?;
-                (0..3).try_for_each(|i| check("/container/box/max_m", max_m[i], "above min_m on every axis", |v| v > min_m[i]))
+                (0..3).try_for_each(|i| {
+                    check(
+                        "/container/box/max_m",
+                        max_m[i],
+                        "above min_m on every axis",
+                        |v| v > min_m[i],
+                    )
+                })
             }
         }
     }

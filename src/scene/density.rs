@@ -78,13 +78,23 @@ pub struct Volume {
 impl Density {
     pub(super) fn validate(&self, container: &Container) -> Result<(), Problem> {
         match self {
-            Self::Uniform { value } => check("/density/uniform/value", *value, "0 or more", |v| v >= 0.0),
+            Self::Uniform { value } => {
+                check("/density/uniform/value", *value, "0 or more", |v| v >= 0.0)
+            }
             Self::Procedural(p) => p.validate(container),
             Self::Volume(v) => {
-                check("/density/volume/up_axis", f64::from(v.up_axis), "0, 1 or 2", |a| a <= 2.0)?;
+                check(
+                    "/density/volume/up_axis",
+                    f64::from(v.up_axis),
+                    "0, 1 or 2",
+                    |a| a <= 2.0,
+                )?;
                 match container {
                     Container::Box { .. } => Ok(()),
-                    Container::Shell { .. } => Err(Problem::new("/container", "an imported volume fills a `box` container, not a `shell`")),
+                    Container::Shell { .. } => Err(Problem::new(
+                        "/container",
+                        "an imported volume fills a `box` container, not a `shell`",
+                    )),
                 }
             }
         }
@@ -94,28 +104,56 @@ impl Density {
 impl Procedural {
     fn validate(&self, container: &Container) -> Result<(), Problem> {
         let at = |field: &str| format!("/density/procedural/{field}");
-        check(&at("shape_tile_m"), self.shape_tile_m, "100…100 000 m", |v| (100.0..=1e5).contains(&v))?;
+        check(
+            &at("shape_tile_m"),
+            self.shape_tile_m,
+            "100…100 000 m",
+            |v| (100.0..=1e5).contains(&v),
+        )?;
         let ratio = self.weather_tile_m / self.shape_tile_m;
-        check(&at("weather_tile_m"), self.weather_tile_m, "1 to 16 times shape_tile_m, a whole multiple", |_| {
-            (1.0..=16.0).contains(&ratio) && (ratio - ratio.round()).abs() < 1e-9
-        })?;
+        check(
+            &at("weather_tile_m"),
+            self.weather_tile_m,
+            "1 to 16 times shape_tile_m, a whole multiple",
+            |_| (1.0..=16.0).contains(&ratio) && (ratio - ratio.round()).abs() < 1e-9,
+        )?;
         if let Some(detail) = &self.detail {
-            check(&at("detail/tile_m"), detail.tile_m, "10…10 000 m", |v| (10.0..=1e4).contains(&v))?;
-            check(&at("detail/strength"), detail.strength, "0…0.9", |v| (0.0..=0.9).contains(&v))?;
+            check(&at("detail/tile_m"), detail.tile_m, "10…10 000 m", |v| {
+                (10.0..=1e4).contains(&v)
+            })?;
+            check(&at("detail/strength"), detail.strength, "0…0.9", |v| {
+                (0.0..=0.9).contains(&v)
+            })?;
         }
         if let Some(gain) = self.precipitation_gain {
-            check(&at("precipitation_gain"), gain, "0…10", |v| (0.0..=10.0).contains(&v))?;
+            check(&at("precipitation_gain"), gain, "0…10", |v| {
+                (0.0..=10.0).contains(&v)
+            })?;
         }
         if self.decks.is_empty() || self.decks.len() > 2 {
-            return Err(Problem::new(at("decks"), format!("{} decks, allowed are 1 or 2", self.decks.len())));
+            return Err(Problem::new(
+                at("decks"),
+                format!("{} decks, allowed are 1 or 2", self.decks.len()),
+            ));
         }
         let (low_m, high_m) = container.height_range_m();
         for (i, deck) in self.decks.iter().enumerate() {
             let at = |field: &str| at(&format!("decks/{i}/{field}"));
-            check(&at("base_m"), deck.base_m, "inside the container", |v| v >= low_m && v < high_m)?;
-            check(&at("top_m"), deck.top_m, "above base_m and inside the container", |v| v > deck.base_m && v <= high_m)?;
-            check(&at("coverage"), deck.coverage, "0…1", |v| (0.0..=1.0).contains(&v))?;
-            check_all(&at("cloud_type"), &deck.cloud_type, "0…1", |v| (0.0..=1.0).contains(&v))?;
+            check(&at("base_m"), deck.base_m, "inside the container", |v| {
+                v >= low_m && v < high_m
+            })?;
+            check(
+                &at("top_m"),
+                deck.top_m,
+                "above base_m and inside the container",
+                |v| v > deck.base_m && v <= high_m,
+            )?;
+            check(&at("coverage"), deck.coverage, "0…1", |v| {
+                (0.0..=1.0).contains(&v)
+            })?;
+            check_all(&at("cloud_type"), &deck.cloud_type, "0…1", |v| {
+                (0.0..=1.0).contains(&v)
+            })?;
         }
         Ok(())
     }

@@ -88,58 +88,130 @@ fn default_gain() -> f64 {
     1.0
 }
 fn default_phase() -> Vec<Lobe> {
-    vec![Lobe { g: 0.7, weight: 0.6 }, Lobe { g: -0.2, weight: 0.4 }]
+    vec![
+        Lobe {
+            g: 0.7,
+            weight: 0.6,
+        },
+        Lobe {
+            g: -0.2,
+            weight: 0.4,
+        },
+    ]
 }
 
 impl Medium {
     pub(super) fn validate(&self) -> Result<(), Problem> {
-        check("/medium/extinction_per_m", self.extinction_per_m, "0 or more, m⁻¹", |v| (0.0..=1e6).contains(&v))?;
-        check("/medium/albedo", self.albedo, "0…1", |v| (0.0..=1.0).contains(&v))?;
-        check("/medium/sun_gain", self.sun_gain, "above 0", |v| v > 0.0 && v <= 1e6)?;
+        check(
+            "/medium/extinction_per_m",
+            self.extinction_per_m,
+            "0 or more, m⁻¹",
+            |v| (0.0..=1e6).contains(&v),
+        )?;
+        check("/medium/albedo", self.albedo, "0…1", |v| {
+            (0.0..=1.0).contains(&v)
+        })?;
+        check("/medium/sun_gain", self.sun_gain, "above 0", |v| {
+            v > 0.0 && v <= 1e6
+        })?;
         if self.phase.is_empty() || self.phase.len() > 2 {
-            return Err(Problem::new("/medium/phase", format!("{} lobes, allowed are 1 or 2", self.phase.len())));
+            return Err(Problem::new(
+                "/medium/phase",
+                format!("{} lobes, allowed are 1 or 2", self.phase.len()),
+            ));
         }
         for (i, lobe) in self.phase.iter().enumerate() {
-            check(&format!("/medium/phase/{i}/g"), lobe.g, "−0.999…0.999 (at ±1 the lobe is a Dirac peak)", |v| v.abs() <= 0.999)?;
-            check(&format!("/medium/phase/{i}/weight"), lobe.weight, "0…1", |v| (0.0..=1.0).contains(&v))?;
+            check(
+                &format!("/medium/phase/{i}/g"),
+                lobe.g,
+                "−0.999…0.999 (at ±1 the lobe is a Dirac peak)",
+                |v| v.abs() <= 0.999,
+            )?;
+            check(
+                &format!("/medium/phase/{i}/weight"),
+                lobe.weight,
+                "0…1",
+                |v| (0.0..=1.0).contains(&v),
+            )?;
         }
         let sum: f64 = self.phase.iter().map(|l| l.weight).sum();
-        check("/medium/phase", sum, "weights that sum to 1", |v| (v - 1.0).abs() < 1e-6)
+        check("/medium/phase", sum, "weights that sum to 1", |v| {
+            (v - 1.0).abs() < 1e-6
+        })
     }
 }
 
 impl Sun {
     pub(super) fn validate(&self, has_sky: bool) -> Result<(), Problem> {
-        check("/sun/elevation_deg", self.elevation_deg, "above 0° (the sun must be above the horizon) up to 90°", |v| v > 0.0 && v <= 90.0)?;
-        check("/sun/azimuth_deg", self.azimuth_deg, "−360…360°", |v| v.abs() <= 360.0)?;
+        check(
+            "/sun/elevation_deg",
+            self.elevation_deg,
+            "above 0° (the sun must be above the horizon) up to 90°",
+            |v| v > 0.0 && v <= 90.0,
+        )?;
+        check(
+            "/sun/azimuth_deg",
+            self.azimuth_deg,
+            "−360…360°",
+            |v| v.abs() <= 360.0,
+        )?;
         match &self.irradiance {
             Some(rgb) => check_all("/sun/irradiance", rgb, "0 or more", |v| v >= 0.0),
             None if has_sky => Ok(()),
-            None => Err(Problem::new("/sun/irradiance", "without a sky the sun's irradiance must be given")),
+            None => Err(Problem::new(
+                "/sun/irradiance",
+                "without a sky the sun's irradiance must be given",
+            )),
         }
     }
 
     /// Unit vector from the scene toward the sun.
     pub fn direction(&self) -> glam::DVec3 {
-        let (elevation, azimuth) = (self.elevation_deg.to_radians(), self.azimuth_deg.to_radians());
-        glam::DVec3::new(elevation.cos() * azimuth.cos(), elevation.sin(), elevation.cos() * azimuth.sin())
+        let (elevation, azimuth) = (
+            self.elevation_deg.to_radians(),
+            self.azimuth_deg.to_radians(),
+        );
+        glam::DVec3::new(
+            elevation.cos() * azimuth.cos(),
+            elevation.sin(),
+            elevation.cos() * azimuth.sin(),
+        )
     }
 }
 
 impl Sky {
     pub(super) fn validate(&self) -> Result<(), Problem> {
-        let Self::Preetham { turbidity, ground_albedo } = self;
-        check("/sky/preetham/turbidity", *turbidity, "1.7…10", |v| (1.7..=10.0).contains(&v))?;
-        check("/sky/preetham/ground_albedo", *ground_albedo, "0…1", |v| (0.0..=1.0).contains(&v))
+        let Self::Preetham {
+            turbidity,
+            ground_albedo,
+        } = self;
+        check("/sky/preetham/turbidity", *turbidity, "1.7…10", |v| {
+            (1.7..=10.0).contains(&v)
+        })?;
+        check(
+            "/sky/preetham/ground_albedo",
+            *ground_albedo,
+            "0…1",
+            |v| (0.0..=1.0).contains(&v),
+        )
     }
 }
 
 impl Ambient {
     pub(super) fn validate(&self, has_sky: bool) -> Result<(), Problem> {
         match self {
-            Self::Uniform { radiance } => check_all("/ambient/uniform/radiance", radiance, "0 or more", |v| v >= 0.0),
-            Self::Sky { .. } if !has_sky => Err(Problem::new("/ambient/sky", "needs a `sky` to take its radiance from")),
-            Self::Sky { base, top } => check_all("/ambient/sky", &[*base, *top], "0…10", |v| (0.0..=10.0).contains(&v)),
+            Self::Uniform { radiance } => {
+                check_all("/ambient/uniform/radiance", radiance, "0 or more", |v| {
+                    v >= 0.0
+                })
+            }
+            Self::Sky { .. } if !has_sky => Err(Problem::new(
+                "/ambient/sky",
+                "needs a `sky` to take its radiance from",
+            )),
+            Self::Sky { base, top } => check_all("/ambient/sky", &[*base, *top], "0…10", |v| {
+                (0.0..=10.0).contains(&v)
+            }),
         }
     }
 }

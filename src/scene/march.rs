@@ -32,7 +32,12 @@ pub enum Integration {
 
 impl Default for March {
     fn default() -> Self {
-        Self { steps: 64, step_m: None, jitter: true, integration: Integration::Analytic }
+        Self {
+            steps: 64,
+            step_m: None,
+            jitter: true,
+            integration: Integration::Analytic,
+        }
     }
 }
 
@@ -41,7 +46,11 @@ impl March {
     pub const MAX_STEPS: u32 = 4096;
 
     pub(super) fn validate(&self) -> Result<(), Problem> {
-        check("/march/steps", f64::from(self.steps), "1…4096", |v| v >= 1.0 && v <= f64::from(Self::MAX_STEPS))?;
-        self.step_m.map_or(Ok(()), |v| check("/march/step_m", v, "above 0 m", |v| v > 0.0))
+        check("/march/steps", f64::from(self.steps), "1…4096", |v| {
+            v >= 1.0 && v <= f64::from(Self::MAX_STEPS)
+        })?;
+        self.step_m.map_or(Ok(()), |v| {
+            check("/march/step_m", v, "above 0 m", |v| v > 0.0)
+        })
     }
 }

@@ -12,11 +12,11 @@ mod preetham;
 
 pub use camera::Camera;
 pub use container::Container;
-pub use geometry::Intervals;
 pub use density::{Deck, Density, Detail, Procedural, Volume};
+pub use geometry::Intervals;
 pub use light::{Ambient, Lobe, Medium, Sky, Sun};
-pub use preetham::{PerezSky, SkyModel};
 pub use march::{Integration, March};
+pub use preetham::{PerezSky, SkyModel};
 
 use crate::error::{Error, Result};
 use schemars::JsonSchema;
@@ -54,7 +54,10 @@ impl Scene {
     /// Checks everything that types cannot: ranges, order, finiteness. The error's place is a JSON pointer.
     pub fn validate(&self) -> Result<(), Problem> {
         if self.name.is_empty() || self.name.chars().count() > 200 {
-            return Err(Problem::new("/name", "the name must have 1 to 200 characters"));
+            return Err(Problem::new(
+                "/name",
+                "the name must have 1 to 200 characters",
+            ));
         }
         self.container.validate()?;
         self.density.validate(&self.container)?;
@@ -75,7 +78,10 @@ impl Scene {
         match &self.container {
             Container::Shell { .. } => 10.0,
             Container::Box { min_m, max_m } => {
-                let diagonal_m = (0..3).map(|i| (max_m[i] - min_m[i]).powi(2)).sum::<f64>().sqrt();
+                let diagonal_m = (0..3)
+                    .map(|i| (max_m[i] - min_m[i]).powi(2))
+                    .sum::<f64>()
+                    .sqrt();
                 (diagonal_m / 1000.0).min(10.0)
             }
         }
@@ -103,24 +109,46 @@ pub struct Problem {
 impl Problem {
     /// A problem at `pointer`.
     pub fn new(pointer: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { pointer: pointer.into(), message: message.into() }
+        Self {
+            pointer: pointer.into(),
+            message: message.into(),
+        }
     }
 
     /// As a library error for the file `place`.
     pub fn at(self, place: &str) -> Error {
-        Error::input(format!("{place}, at {}", self.pointer), self.message, "Correct the value; `occlab schema` prints what is allowed.")
+        Error::input(
+            format!("{place}, at {}", self.pointer),
+            self.message,
+            "Correct the value; `occlab schema` prints what is allowed.",
+        )
     }
 }
 
 /// `value` must be finite and satisfy `ok`.
-pub(crate) fn check(pointer: &str, value: f64, allowed: &str, ok: impl Fn(f64) -> bool) -> Result<(), Problem> {
+pub(crate) fn check(
+    pointer: &str,
+    value: f64,
+    allowed: &str,
+    ok: impl Fn(f64) -> bool,
+) -> Result<(), Problem> {
     if value.is_finite() && ok(value) {
         return Ok(());
     }
-    Err(Problem::new(pointer, format!("the value is {value}, allowed is {allowed}")))
+    Err(Problem::new(
+        pointer,
+        format!("the value is {value}, allowed is {allowed}"),
+    ))
 }
 
 /// Every component must be finite and satisfy `ok`.
-pub(crate) fn check_all(pointer: &str, values: &[f64], allowed: &str, ok: impl Fn(f64) -> bool + Copy) -> Result<(), Problem> {
-    values.iter().try_for_each(|v| check(pointer, *v, allowed, ok))
+pub(crate) fn check_all(
+    pointer: &str,
+    values: &[f64],
+    allowed: &str,
+    ok: impl Fn(f64) -> bool + Copy,
+) -> Result<(), Problem> {
+    values
+        .iter()
+        .try_for_each(|v| check(pointer, *v, allowed, ok))
 }

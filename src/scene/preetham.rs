@@ -38,11 +38,17 @@ const PEREZ: [[(f64, f64); 3]; 5] = [
     [(-0.0670, 0.3703), (-0.0033, 0.0452), (-0.0109, 0.0529)],
 ];
 /// Zenith x: rows T², T, 1; columns θs³, θs², θs, 1 (paper, appendix A.2).
-const ZENITH_X: [[f64; 4]; 3] =
-    [[0.00166, -0.00375, 0.00209, 0.0], [-0.02903, 0.06377, -0.03202, 0.00394], [0.11693, -0.21196, 0.06052, 0.25886]];
+const ZENITH_X: [[f64; 4]; 3] = [
+    [0.00166, -0.00375, 0.00209, 0.0],
+    [-0.02903, 0.06377, -0.03202, 0.00394],
+    [0.11693, -0.21196, 0.06052, 0.25886],
+];
 /// Zenith y, as [`ZENITH_X`].
-const ZENITH_Y: [[f64; 4]; 3] =
-    [[0.00275, -0.00610, 0.00317, 0.0], [-0.04214, 0.08970, -0.04153, 0.00516], [0.15346, -0.26756, 0.06670, 0.26688]];
+const ZENITH_Y: [[f64; 4]; 3] = [
+    [0.00275, -0.00610, 0.00317, 0.0],
+    [-0.04214, 0.08970, -0.04153, 0.00516],
+    [0.15346, -0.26756, 0.06670, 0.26688],
+];
 
 /// What a shader needs to evaluate the sky; `value[c] = zenith[c] · F_c(θ, γ)` for c = Y, x, y.
 ///
@@ -81,7 +87,12 @@ impl SkyModel {
         let at_zenith = distribution(&perez, 1.0, zenith_angle);
         let zenith = zenith_values(fitted, zenith_angle);
         let zenith = [0, 1, 2].map(|c| zenith[c] / at_zenith[c]);
-        Self { sky: PerezSky { perez, zenith }, turbidity, sun_direction, ground_albedo }
+        Self {
+            sky: PerezSky { perez, zenith },
+            turbidity,
+            sun_direction,
+            ground_albedo,
+        }
     }
 
     /// Coefficients for a shader.
@@ -105,7 +116,8 @@ impl SkyModel {
         let aerosol = (0.04608 * self.turbidity - 0.04586).max(0.0);
         [0, 1, 2].map(|c| {
             let rayleigh = 0.008735 * WAVELENGTH_UM[c].powf(-4.08);
-            let depth = rayleigh + aerosol * WAVELENGTH_UM[c].powf(-1.3) + OZONE_PER_CM[c] * OZONE_CM;
+            let depth =
+                rayleigh + aerosol * WAVELENGTH_UM[c].powf(-1.3) + OZONE_PER_CM[c] * OZONE_CM;
             EXTRATERRESTRIAL_KLX * (-depth * mass).exp()
         })
     }
@@ -122,7 +134,11 @@ impl SkyModel {
 
     /// Radiance of a diffuse ground lit by sun and sky: albedo/π × (E_sun · sin elevation + E_sky), kcd/m², linear sRGB.
     pub fn ground_radiance(&self) -> [f64; 3] {
-        let (sun, sky, sine) = (self.sun_irradiance_klx(), self.sky_irradiance_klx(), self.sun_direction.y.max(0.0));
+        let (sun, sky, sine) = (
+            self.sun_irradiance_klx(),
+            self.sky_irradiance_klx(),
+            self.sun_direction.y.max(0.0),
+        );
         [0, 1, 2].map(|c| self.ground_albedo / PI * (sun[c] * sine + sky[c]))
     }
 
@@ -155,12 +171,25 @@ fn distribution(perez: &[[f64; 4]; 5], cos_theta: f64, gamma: f64) -> [f64; 3] {
 fn zenith_values(turbidity: f64, zenith_angle: f64) -> [f64; 3] {
     let chi = (4.0 / 9.0 - turbidity / 120.0) * (PI - 2.0 * zenith_angle.min(FRAC_PI_2));
     let luminance = (4.0453 * turbidity - 4.9710) * chi.tan() - 0.2155 * turbidity + 2.4192;
-    let powers = [zenith_angle.powi(3), zenith_angle.powi(2), zenith_angle, 1.0];
+    let powers = [
+        zenith_angle.powi(3),
+        zenith_angle.powi(2),
+        zenith_angle,
+        1.0,
+    ];
     let chromaticity = |fit: &[[f64; 4]; 3]| {
-        let rows = fit.iter().map(|row| row.iter().zip(powers).map(|(k, p)| k * p).sum::<f64>());
-        rows.zip([turbidity * turbidity, turbidity, 1.0]).map(|(row, t)| row * t).sum()
+        let rows = fit
+            .iter()
+            .map(|row| row.iter().zip(powers).map(|(k, p)| k * p).sum::<f64>());
+        rows.zip([turbidity * turbidity, turbidity, 1.0])
+            .map(|(row, t)| row * t)
+            .sum()
     };
-    [luminance.max(0.0), chromaticity(&ZENITH_X), chromaticity(&ZENITH_Y)]
+    [
+        luminance.max(0.0),
+        chromaticity(&ZENITH_X),
+        chromaticity(&ZENITH_Y),
+    ]
 }
 
 /// Relative optical mass for the sine of the elevation (Kasten's formula, paper appendix A.1; 36.5 at the horizon).

@@ -7,7 +7,9 @@ use occlab::frame::Frame;
 use occlab::gpu::Gpu;
 use occlab::occlusion::MethodSetup;
 use occlab::raymarch::{Counts, Renderer, View, unwatched};
-use occlab::scene::{Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Volume};
+use occlab::scene::{
+    Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Volume,
+};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
@@ -19,14 +21,22 @@ type Job = Box<dyn FnOnce(&Renderer) + Send>;
 pub fn on_gpu<R: Send + 'static>(job: impl FnOnce(&Renderer) -> R + Send + 'static) -> R {
     static JOBS: OnceLock<Result<Mutex<Sender<Job>>, String>> = OnceLock::new();
     let jobs = JOBS.get_or_init(start_renderer);
-    let jobs = jobs.as_ref().unwrap_or_else(|problem| panic!("this test needs an adapter: {problem}"));
+    let jobs = jobs
+        .as_ref()
+        .unwrap_or_else(|problem| panic!("this test needs an adapter: {problem}"));
     let (send, receive) = channel();
     let boxed: Job = Box::new(move |renderer| {
         let result = catch_unwind(AssertUnwindSafe(|| job(renderer)));
         let _ = send.send(result);
     });
-    jobs.lock().unwrap().send(boxed).expect("the renderer's thread lives as long as the tests");
-    receive.recv().expect("a job always answers").unwrap_or_else(|panic| resume_unwind(panic))
+    jobs.lock()
+        .unwrap()
+        .send(boxed)
+        .expect("the renderer's thread lives as long as the tests");
+    receive
+        .recv()
+        .expect("a job always answers")
+        .unwrap_or_else(|panic| resume_unwind(panic))
 }
 
 fn start_renderer() -> Result<Mutex<Sender<Job>>, String> {
@@ -40,7 +50,10 @@ fn start_renderer() -> Result<Mutex<Sender<Job>>, String> {
             jobs.into_iter().for_each(|job| job(&renderer));
         }
     });
-    opened.recv().expect("the renderer's thread reports once").map(|()| Mutex::new(send_jobs))
+    opened
+        .recv()
+        .expect("the renderer's thread reports once")
+        .map(|()| Mutex::new(send_jobs))
 }
 
 pub fn size(width: u32, height: u32) -> ImageSize {
@@ -49,22 +62,33 @@ pub fn size(width: u32, height: u32) -> ImageSize {
 
 /// `id` with parameters written `name=value`, separated by blanks.
 pub fn setup(id: &str, params: &str) -> MethodSetup {
-    params.split_whitespace().fold(MethodSetup::defaults(id).unwrap(), |setup, pair| {
-        let (name, value) = pair.split_once('=').unwrap();
-        setup.with(name, value).unwrap()
-    })
+    params
+        .split_whitespace()
+        .fold(MethodSetup::defaults(id).unwrap(), |setup, pair| {
+            let (name, value) = pair.split_once('=').unwrap();
+            setup.with(name, value).unwrap()
+        })
 }
 
 /// One picture; the scene must be valid.
 pub fn render(scene: &Scene, image: ImageSize, setup: &MethodSetup) -> Frame {
     scene.validate().unwrap();
     let (scene, setup) = (scene.clone(), setup.clone());
-    on_gpu(move |renderer| renderer.render(&scene, image, &setup, &mut unwatched).unwrap().0)
+    on_gpu(move |renderer| {
+        renderer
+            .render(&scene, image, &setup, &mut unwatched)
+            .unwrap()
+            .0
+    })
 }
 
 /// One picture of a view that exists already.
 pub fn render_view(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Frame {
-    renderer.prepare(view, setup).unwrap().run(&renderer.gpu, &mut unwatched).unwrap();
+    renderer
+        .prepare(view, setup)
+        .unwrap()
+        .run(&renderer.gpu, &mut unwatched)
+        .unwrap();
     view.read(&renderer.gpu).unwrap()
 }
 
@@ -78,7 +102,9 @@ pub fn count_view(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Coun
 /// Unit direction of the ray through a pixel's centre, as the camera documents it.
 pub fn pixel_ray(scene: &Scene, image: ImageSize, column: u32, row: u32) -> DVec3 {
     let (right, up, forward) = scene.camera.basis();
-    let (half_x, half_y) = scene.camera.half_extent(f64::from(image.width) / f64::from(image.height));
+    let (half_x, half_y) = scene
+        .camera
+        .half_extent(f64::from(image.width) / f64::from(image.height));
     let x = 2.0 * (f64::from(column) + 0.5) / f64::from(image.width) - 1.0;
     let y = 1.0 - 2.0 * (f64::from(row) + 0.5) / f64::from(image.height);
     (forward + right * (x * half_x) + up * (y * half_y)).normalize()
@@ -91,13 +117,18 @@ pub fn henyey_greenstein(g: f64, cosine: f64) -> f64 {
 
 /// √(Σ(a − b)²/Σb²).
 pub fn relative_rmse(pairs: impl IntoIterator<Item = (f64, f64)>) -> f64 {
-    let (error, norm) = pairs.into_iter().fold((0.0, 0.0), |(e, n), (a, b)| (e + (a - b) * (a - b), n + b * b));
+    let (error, norm) = pairs.into_iter().fold((0.0, 0.0), |(e, n), (a, b)| {
+        (e + (a - b) * (a - b), n + b * b)
+    });
     (error / norm).sqrt()
 }
 
 /// Red of every pixel beside red of every other.
 pub fn reds<'a>(a: &'a Frame, b: &'a Frame) -> impl Iterator<Item = (f64, f64)> + 'a {
-    a.radiance.iter().zip(&b.radiance).map(|(a, b)| (f64::from(a[0]), f64::from(b[0])))
+    a.radiance
+        .iter()
+        .zip(&b.radiance)
+        .map(|(a, b)| (f64::from(a[0]), f64::from(b[0])))
 }
 
 /// A homogeneous box, sun of irradiance 1, no sky, one isotropic lobe, midpoint steps.
@@ -107,8 +138,20 @@ pub fn box_scene(min_m: [f64; 3], max_m: [f64; 3], extinction_per_m: f64) -> Sce
         name: "box".into(),
         container: Container::Box { min_m, max_m },
         density: Density::Uniform { value: 1.0 },
-        medium: Medium { extinction_per_m, albedo: 1.0, phase: vec![Lobe { g: 0.0, weight: 1.0 }], sun_gain: 1.0 },
-        sun: Sun { elevation_deg: 90.0, azimuth_deg: 0.0, irradiance: Some([1.0; 3]) },
+        medium: Medium {
+            extinction_per_m,
+            albedo: 1.0,
+            phase: vec![Lobe {
+                g: 0.0,
+                weight: 1.0,
+            }],
+            sun_gain: 1.0,
+        },
+        sun: Sun {
+            elevation_deg: 90.0,
+            azimuth_deg: 0.0,
+            irradiance: Some([1.0; 3]),
+        },
         sky: None,
         ambient: None,
         camera: Camera {
@@ -118,7 +161,11 @@ pub fn box_scene(min_m: [f64; 3], max_m: [f64; 3], extinction_per_m: f64) -> Sce
             fov_y_deg: 30.0,
             far_m: None,
         },
-        march: March { steps: 64, jitter: false, ..March::default() },
+        march: March {
+            steps: 64,
+            jitter: false,
+            ..March::default()
+        },
     }
 }
 
@@ -128,9 +175,17 @@ pub fn procedural(coverage: f64) -> Procedural {
         seed: 1,
         weather_tile_m: 8192.0,
         shape_tile_m: 2048.0,
-        detail: Some(Detail { tile_m: 256.0, strength: 0.3 }),
+        detail: Some(Detail {
+            tile_m: 256.0,
+            strength: 0.3,
+        }),
         precipitation_gain: Some(0.5),
-        decks: vec![Deck { base_m: 1024.0, top_m: 2048.0, coverage, cloud_type: [0.6, 1.0] }],
+        decks: vec![Deck {
+            base_m: 1024.0,
+            top_m: 2048.0,
+            coverage,
+            cloud_type: [0.6, 1.0],
+        }],
     }
 }
 
@@ -138,17 +193,41 @@ pub fn procedural(coverage: f64) -> Procedural {
 pub fn cumulus() -> Scene {
     let mut scene = box_scene([-1.0; 3], [1.0; 3], 0.03);
     scene.name = "cumulus".into();
-    scene.container = Container::Shell { planet_radius_m: 2e5, base_m: 1024.0, top_m: 2048.0 };
+    scene.container = Container::Shell {
+        planet_radius_m: 2e5,
+        base_m: 1024.0,
+        top_m: 2048.0,
+    };
     scene.density = Density::Procedural(procedural(0.5));
-    scene.sun = Sun { elevation_deg: 50.0, azimuth_deg: 60.0, irradiance: Some([1.0; 3]) };
-    scene.medium.phase = vec![Lobe { g: 0.7, weight: 0.6 }, Lobe { g: -0.2, weight: 0.4 }];
-    scene.camera = Camera { position_m: [0.0, 2.0, 0.0], target_m: [1.0, 2.6, 0.2], up: [0.0, 1.0, 0.0], fov_y_deg: 50.0, far_m: Some(2e4) };
+    scene.sun = Sun {
+        elevation_deg: 50.0,
+        azimuth_deg: 60.0,
+        irradiance: Some([1.0; 3]),
+    };
+    scene.medium.phase = vec![
+        Lobe {
+            g: 0.7,
+            weight: 0.6,
+        },
+        Lobe {
+            g: -0.2,
+            weight: 0.4,
+        },
+    ];
+    scene.camera = Camera {
+        position_m: [0.0, 2.0, 0.0],
+        target_m: [1.0, 2.6, 0.2],
+        up: [0.0, 1.0, 0.0],
+        fov_y_deg: 50.0,
+        far_m: Some(2e4),
+    };
     scene
 }
 
 /// Writes an f32 cube of `n` cells an edge, value(x, y, z) at cell (x, y, z), as `[z][y][x]`.
 pub fn write_cube(folder: &Path, n: usize, value: impl Fn(usize, usize, usize) -> f32) -> PathBuf {
-    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({n}, {n}, {n}), }}");
+    let mut header =
+        format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({n}, {n}, {n}), }}");
     header.push_str(&" ".repeat(63 - (10 + header.len()) % 64));
     header.push('\n');
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -171,7 +250,8 @@ pub fn cube_density(path: PathBuf) -> Density {
 
 /// Pseudo-random number in [0, 1) from three indices (Jarzynski & Olano 2020, pcg3d).
 pub fn hashed(x: usize, y: usize, z: usize) -> f32 {
-    let mut v = [x as u32, y as u32, z as u32].map(|i| i.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let mut v = [x as u32, y as u32, z as u32]
+        .map(|i| i.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     for round in 0..2 {
         for i in 0..3 {
             v[i] = v[i].wrapping_add(v[(i + 1) % 3].wrapping_mul(v[(i + 2) % 3]));

@@ -15,11 +15,19 @@ fn lists_multiply_in_the_documented_order() {
             "methods": ["none", {"method": "srm", "steps": [6, 10], "spacing": [1, 1.5, 2]}],
         })))
         .expect("matrix");
-    assert_eq!((matrix.views.len(), matrix.cell_count()), (2 * 2 * 2 * 2, 16 * 7));
+    assert_eq!(
+        (matrix.views.len(), matrix.cell_count()),
+        (2 * 2 * 2 * 2, 16 * 7)
+    );
     assert!(matrix.notes.is_empty());
     let view = |i: usize| {
         let v = &matrix.views[i];
-        (v.scene_set["/density/uniform/value"].as_f64(), v.scene.camera.position_m[2], v.scene.sun.elevation_deg, v.image.width)
+        (
+            v.scene_set["/density/uniform/value"].as_f64(),
+            v.scene.camera.position_m[2],
+            v.scene.sun.elevation_deg,
+            v.image.width,
+        )
     };
     assert_eq!(view(0), (Some(1.0), -300.0, 60.0, 16));
     assert_eq!(view(1), (Some(1.0), -300.0, 60.0, 32));
@@ -27,10 +35,35 @@ fn lists_multiply_in_the_documented_order() {
     assert_eq!(view(4), (Some(1.0), -500.0, 60.0, 16));
     assert_eq!(view(8), (Some(2.0), -300.0, 60.0, 16));
     assert!(matrix.views.iter().all(|v| v.scene.march.steps == 32));
-    let cells: Vec<_> =
-        matrix.views[1].cells.iter().map(|c| (c.index, c.method.as_str(), c.params.get("steps"), c.params.get("spacing"))).collect();
-    let srm = |i, steps, spacing| (i, "srm", Some(ParamValue::Int(steps)), Some(ParamValue::Float(spacing)));
-    assert_eq!(cells[..4], [(7, "none", None, None), srm(8, 6, 1.0), srm(9, 6, 1.5), srm(10, 6, 2.0)]);
+    let cells: Vec<_> = matrix.views[1]
+        .cells
+        .iter()
+        .map(|c| {
+            (
+                c.index,
+                c.method.as_str(),
+                c.params.get("steps"),
+                c.params.get("spacing"),
+            )
+        })
+        .collect();
+    let srm = |i, steps, spacing| {
+        (
+            i,
+            "srm",
+            Some(ParamValue::Int(steps)),
+            Some(ParamValue::Float(spacing)),
+        )
+    };
+    assert_eq!(
+        cells[..4],
+        [
+            (7, "none", None, None),
+            srm(8, 6, 1.0),
+            srm(9, 6, 1.5),
+            srm(10, 6, 2.0)
+        ]
+    );
     assert_eq!(cells[6], srm(13, 10, 2.0));
 }
 
@@ -39,21 +72,45 @@ fn defaults_are_filled_and_absent_optional_members_created() {
     let folder = Folder::new();
     let scenes = json!([{"scene": "slab.json", "set": {"/march": {"steps": 7}, "/camera/far_m": 900, "/sky": null}}]);
     let experiment = with(json!({"scenes": scenes, "methods": {"method": "bsm"}}));
-    let experiment = load_experiment(&folder.write("e.json", experiment.to_string())).expect("experiment");
+    let experiment =
+        load_experiment(&folder.write("e.json", experiment.to_string())).expect("experiment");
     assert_eq!((experiment.runs, experiment.discard), (5, 1));
     let matrix = expand(&experiment, &Mock).expect("matrix");
     let view = &matrix.views[0];
-    assert_eq!((view.scene.march.steps, view.scene.camera.far_m, &view.scene.sky), (7, Some(900.0), &None));
-    assert_eq!(view.image, ImageSize { width: 16, height: 9 });
-    assert_eq!(view.cells[0].params.get("lookup"), Some(ParamValue::Choice("nearest")));
+    assert_eq!(
+        (
+            view.scene.march.steps,
+            view.scene.camera.far_m,
+            &view.scene.sky
+        ),
+        (7, Some(900.0), &None)
+    );
+    assert_eq!(
+        view.image,
+        ImageSize {
+            width: 16,
+            height: 9
+        }
+    );
+    assert_eq!(
+        view.cells[0].params.get("lookup"),
+        Some(ParamValue::Choice("nearest"))
+    );
 }
 
 #[test]
 fn duplicates_are_dropped_with_a_note() {
     let folder = Folder::new();
     let methods = json!([{"method": "srm"}, {"method": "srm", "steps": [6, 7], "spacing": 2}, "none", "none"]);
-    let matrix = folder.expand(&with(json!({"methods": methods, "sun_elevation_deg": [30, 30.0]}))).expect("matrix");
-    assert_eq!((matrix.views.len(), matrix.cell_count(), matrix.notes.len()), (1, 3, 3));
+    let matrix = folder
+        .expand(&with(
+            json!({"methods": methods, "sun_elevation_deg": [30, 30.0]}),
+        ))
+        .expect("matrix");
+    assert_eq!(
+        (matrix.views.len(), matrix.cell_count(), matrix.notes.len()),
+        (1, 3, 3)
+    );
     assert!(matrix.views[0].cells.iter().map(|c| c.index).eq(0..3));
 }
 
@@ -63,7 +120,19 @@ fn a_dry_run_lists_cells_count_and_notes() {
     let text = describe(
         &folder.expand(&with(json!({"methods": [{"method": "srm", "steps": [5, 5, 9]}], "sun_elevation_deg": 30}))).expect("matrix"),
     );
-    has(&text, &["cell  scene", "slab", "30°", "16×9", "spacing=2 steps=9", "/sun/elevation_deg=30", "2 cells in 1 views", "note: srm"]);
+    has(
+        &text,
+        &[
+            "cell  scene",
+            "slab",
+            "30°",
+            "16×9",
+            "spacing=2 steps=9",
+            "/sun/elevation_deg=30",
+            "2 cells in 1 views",
+            "note: srm",
+        ],
+    );
     assert_eq!(text.lines().count(), 1 + 2 + 1 + 1);
 }
 
@@ -85,13 +154,33 @@ fn the_schema_names_every_method_and_every_reference_resolves() {
     assert!(found.len() > 10);
     for reference in found {
         let pointer = reference.strip_prefix('#').expect("local reference");
-        assert!(schema.pointer(pointer).is_some(), "{reference} does not resolve");
+        assert!(
+            schema.pointer(pointer).is_some(),
+            "{reference} does not resolve"
+        );
     }
     let srm = &schema["$defs"]["Method"]["anyOf"][2];
-    assert_eq!((&srm["title"], &srm["additionalProperties"]), (&json!("srm"), &json!(false)));
-    assert_eq!(srm["properties"]["steps"]["anyOf"][0], json!({"type": "integer", "minimum": 1, "maximum": 50}));
+    assert_eq!(
+        (&srm["title"], &srm["additionalProperties"]),
+        (&json!("srm"), &json!(false))
+    );
+    assert_eq!(
+        srm["properties"]["steps"]["anyOf"][0],
+        json!({"type": "integer", "minimum": 1, "maximum": 50})
+    );
     assert_eq!(srm["properties"]["steps"]["default"], json!(6));
-    has(srm["properties"]["spacing"]["description"].as_str().unwrap_or_default(), &["First step.", "Unit: m."]);
-    assert_eq!(schema["$defs"]["Method"]["anyOf"][3]["properties"]["lookup"]["anyOf"][0], json!({"enum": ["nearest", "hardware"]}));
-    assert_eq!(schema["$defs"]["Scene"]["additionalProperties"], json!(false));
+    has(
+        srm["properties"]["spacing"]["description"]
+            .as_str()
+            .unwrap_or_default(),
+        &["First step.", "Unit: m."],
+    );
+    assert_eq!(
+        schema["$defs"]["Method"]["anyOf"][3]["properties"]["lookup"]["anyOf"][0],
+        json!({"enum": ["nearest", "hardware"]})
+    );
+    assert_eq!(
+        schema["$defs"]["Scene"]["additionalProperties"],
+        json!(false)
+    );
 }

@@ -7,14 +7,34 @@ mod errors;
 mod matrix;
 mod scenes;
 
-const STEPS: ParamSpec = ParamSpec { name: "steps", unit: "", doc: "Light steps.", kind: ParamKind::Int { min: 1, max: 50, default: 6 } };
-const SPACING: ParamSpec =
-    ParamSpec { name: "spacing", unit: "m", doc: "First step.", kind: ParamKind::Float { min: 0.0, max: 10.0, default: 2.0 } };
+const STEPS: ParamSpec = ParamSpec {
+    name: "steps",
+    unit: "",
+    doc: "Light steps.",
+    kind: ParamKind::Int {
+        min: 1,
+        max: 50,
+        default: 6,
+    },
+};
+const SPACING: ParamSpec = ParamSpec {
+    name: "spacing",
+    unit: "m",
+    doc: "First step.",
+    kind: ParamKind::Float {
+        min: 0.0,
+        max: 10.0,
+        default: 2.0,
+    },
+};
 const LOOKUP: ParamSpec = ParamSpec {
     name: "lookup",
     unit: "",
     doc: "Filter.",
-    kind: ParamKind::Choice { options: &["nearest", "hardware"], default: "nearest" },
+    kind: ParamKind::Choice {
+        options: &["nearest", "hardware"],
+        default: "nearest",
+    },
 };
 
 struct Mock;
@@ -77,7 +97,11 @@ impl Folder {
     fn error(&self, member: &str, value: &str) -> String {
         let mut experiment: Value = serde_json::from_str(SMALL).expect("small");
         experiment[member] = Value::Null;
-        let text = experiment.to_string().replacen(&format!("\"{member}\":null"), &format!("\"{member}\":{value}"), 1);
+        let text = experiment.to_string().replacen(
+            &format!("\"{member}\":null"),
+            &format!("\"{member}\":{value}"),
+            1,
+        );
         self.expand_text(&text).expect_err(&text).to_string()
     }
 }

@@ -47,24 +47,52 @@ impl Axis {
         Self::logarithmic(title, Scale::Bytes, zero, values)
     }
 
-    fn logarithmic(title: &str, scale: Scale, zero: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
-        let base = |v: f64| if scale == Scale::Bytes { v.log2() } else { v.log10() };
-        let positive = values.clone().filter(|v| *v > 0.0 && v.is_finite()).map(base);
-        let (mut lo, mut hi) = positive.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    fn logarithmic(
+        title: &str,
+        scale: Scale,
+        zero: &str,
+        values: impl Iterator<Item = f64> + Clone,
+    ) -> Self {
+        let base = |v: f64| {
+            if scale == Scale::Bytes {
+                v.log2()
+            } else {
+                v.log10()
+            }
+        };
+        let positive = values
+            .clone()
+            .filter(|v| *v > 0.0 && v.is_finite())
+            .map(base);
+        let (mut lo, mut hi) = positive.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+            (l.min(v), h.max(v))
+        });
         if lo > hi {
             (lo, hi) = (0.0, 1.0);
         }
         let least = if scale == Scale::Bytes { 2.0 } else { 0.6 };
         let pad = (0.06 * (hi - lo)).max((least - (hi - lo)) / 2.0);
         let zero = values.clone().any(|v| v <= 0.0).then(|| zero.to_owned());
-        Self { title: title.to_owned(), scale, lo: lo - pad, hi: hi + pad, zero }
+        Self {
+            title: title.to_owned(),
+            scale,
+            lo: lo - pad,
+            hi: hi + pad,
+            zero,
+        }
     }
 
     /// A linear axis from 0 past the largest of `values`.
     pub fn from_zero(title: &str, values: impl Iterator<Item = f64>) -> Self {
         let hi = values.filter(|v| v.is_finite()).fold(0.0, f64::max);
         let hi = if hi > 0.0 { hi * 1.05 } else { 1.0 };
-        Self { title: title.to_owned(), scale: Scale::Linear, lo: 0.0, hi, zero: None }
+        Self {
+            title: title.to_owned(),
+            scale: Scale::Linear,
+            lo: 0.0,
+            hi,
+            zero: None,
+        }
     }
 
     /// Position of a value, 0 to 1.
@@ -76,7 +104,11 @@ impl Axis {
             Scale::Bytes => value.log2(),
         };
         let share = ((place - self.lo) / (self.hi - self.lo)).clamp(0.0, 1.0);
-        if self.zero.is_some() { ZERO.0 + (1.0 - ZERO.0) * share } else { share }
+        if self.zero.is_some() {
+            ZERO.0 + (1.0 - ZERO.0) * share
+        } else {
+            share
+        }
     }
 
     /// Where the place of zero ends, if the axis has one.
@@ -91,19 +123,34 @@ impl Axis {
             Scale::Log => self.decade_ticks(),
             Scale::Bytes => self.binary_ticks(),
         };
-        out.extend(self.zero.as_ref().map(|text| Tick { at: ZERO.1, text: text.clone(), rank: 0 }));
+        out.extend(self.zero.as_ref().map(|text| Tick {
+            at: ZERO.1,
+            text: text.clone(),
+            rank: 0,
+        }));
         out
     }
 
     fn linear_ticks(&self) -> Vec<Tick> {
         let raw = self.hi / 5.0;
         let decade = 10f64.powf(raw.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].iter().map(|m| m * decade).find(|s| *s >= raw).unwrap_or(raw);
+        let step = [1.0, 2.0, 5.0, 10.0]
+            .iter()
+            .map(|m| m * decade)
+            .find(|s| *s >= raw)
+            .unwrap_or(raw);
         let tick = |i: u32| {
             let value = f64::from(i) * step;
-            Tick { at: self.at(value), text: short_number(value), rank: 0 }
+            Tick {
+                at: self.at(value),
+                text: short_number(value),
+                rank: 0,
+            }
         };
-        (0..=10).take_while(|i| f64::from(*i) * step <= self.hi).map(tick).collect()
+        (0..=10)
+            .take_while(|i| f64::from(*i) * step <= self.hi)
+            .map(tick)
+            .collect()
     }
 
     fn decade_ticks(&self) -> Vec<Tick> {
@@ -118,7 +165,11 @@ impl Axis {
                         3 | 7 => 2,
                         _ => 3,
                     };
-                    out.push(Tick { at: self.at(value), text: short_number(value), rank });
+                    out.push(Tick {
+                        at: self.at(value),
+                        text: short_number(value),
+                        rank,
+                    });
                 }
             }
         }
@@ -135,7 +186,11 @@ impl Axis {
                     p if p % 2 == 0 => 1,
                     _ => 2,
                 };
-                Tick { at: self.at(value as f64), text: bytes(value), rank }
+                Tick {
+                    at: self.at(value as f64),
+                    text: bytes(value),
+                    rank,
+                }
             })
             .collect()
     }
@@ -144,7 +199,11 @@ impl Axis {
 /// A round number without trailing zeros.
 fn short_number(value: f64) -> String {
     let rounded = (value * 1e9).round() / 1e9;
-    if rounded == 0.0 && value != 0.0 { number(value) } else { rounded.to_string() }
+    if rounded == 0.0 && value != 0.0 {
+        number(value)
+    } else {
+        rounded.to_string()
+    }
 }
 
 #[cfg(test)]

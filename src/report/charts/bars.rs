@@ -18,18 +18,29 @@ const LEFT: i32 = 232;
 
 /// Total times as bars; `None` when no cell has a time.
 pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
-    let mut shots: Vec<Shot<'_>> = case.shots().into_iter().filter(|s| s.total_ms().is_some()).collect();
+    let mut shots: Vec<Shot<'_>> = case
+        .shots()
+        .into_iter()
+        .filter(|s| s.total_ms().is_some())
+        .collect();
     if shots.is_empty() {
         return Ok(None);
     }
     let all = shots.len();
     if all > MOST {
-        shots.sort_by(|a, b| a.total_ms().partial_cmp(&b.total_ms()).unwrap_or(std::cmp::Ordering::Equal));
+        shots.sort_by(|a, b| {
+            a.total_ms()
+                .partial_cmp(&b.total_ms())
+                .unwrap_or(std::cmp::Ordering::Equal)
+        });
         shots.truncate(MOST);
     }
-    let mut note = "Bars and numbers: medians. Whiskers: smallest to 95th percentile of the total.".to_owned();
+    let mut note =
+        "Bars and numbers: medians. Whiskers: smallest to 95th percentile of the total.".to_owned();
     if all > MOST {
-        note = format!("The {MOST} fastest of {all} cells, the table has the rest. Whiskers: min to 95th percentile.");
+        note = format!(
+            "The {MOST} fastest of {all} cells, the table has the rest. Whiskers: min to 95th percentile."
+        );
     }
     let height = 190 + ROW * shots.len() as i32;
     let svg = sheet(height, |canvas| {
@@ -39,12 +50,21 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
             (Key::Swatch(INK, 1.0), "view march (full)".to_owned()),
         ];
         let top = legend(canvas, top, &keys)?;
-        let reach = shots.iter().filter_map(|s| s.numbers.time_ms.total).map(|t| t.p95.max(t.median) * 1.16);
+        let reach = shots
+            .iter()
+            .filter_map(|s| s.numbers.time_ms.total)
+            .map(|t| t.p95.max(t.median) * 1.16);
         let axis = Axis::from_zero("time of one picture (ms)", reach);
         let plot = Plot::new(top, height, LEFT, axis.clone(), axis);
         plot.draw_x(canvas)?;
         for (i, shot) in shots.iter().enumerate() {
-            draw_row(canvas, view, &plot, shot, top + ROW * i as i32 + ROW / 2 + 2)?;
+            draw_row(
+                canvas,
+                view,
+                &plot,
+                shot,
+                top + ROW * i as i32 + ROW / 2 + 2,
+            )?;
         }
         let [left, top, _, bottom] = plot.bounds;
         canvas.line(&[(left, top), (left, bottom)], INK, 1)?;
@@ -53,9 +73,17 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     Ok(Some(svg))
 }
 
-fn draw_row(canvas: &Canvas<'_>, view: &View<'_>, plot: &Plot, shot: &Shot<'_>, y: i32) -> Result<()> {
+fn draw_row(
+    canvas: &Canvas<'_>,
+    view: &View<'_>,
+    plot: &Plot,
+    shot: &Shot<'_>,
+    y: i32,
+) -> Result<()> {
     let times = &shot.numbers.time_ms;
-    let Some(total) = times.total else { return Ok(()) };
+    let Some(total) = times.total else {
+        return Ok(());
+    };
     let style = Style::of(&shot.cell.method);
     let color = ink_of(style);
     canvas.marker((MARGIN + 6, y), 4.5, style, false)?;
@@ -71,12 +99,22 @@ fn draw_row(canvas: &Canvas<'_>, view: &View<'_>, plot: &Plot, shot: &Shot<'_>, 
     }
     canvas.frame([(start, y - 7), (end, y + 7)], color)?;
     let (a, b) = (plot.px(total.min), plot.px(total.p95));
-    let whisker = [vec![(a, y), (b, y)], vec![(a, y - 4), (a, y + 4)], vec![(b, y - 4), (b, y + 4)]];
+    let whisker = [
+        vec![(a, y), (b, y)],
+        vec![(a, y - 4), (a, y + 4)],
+        vec![(b, y - 4), (b, y + 4)],
+    ];
     for part in &whisker {
         canvas.line(part, WHITE, 3)?;
     }
     for part in &whisker {
         canvas.line(part, INK, 1)?;
     }
-    canvas.text((b.max(end) + 8, y), &ms(Some(total.median)), SMALL, MUTED, Hang::Right)
+    canvas.text(
+        (b.max(end) + 8, y),
+        &ms(Some(total.median)),
+        SMALL,
+        MUTED,
+        Hang::Right,
+    )
 }

@@ -59,7 +59,10 @@ pub fn sheet(height: i32, draw: impl FnOnce(&Canvas<'_>) -> Result<()>) -> Resul
         let size = (WIDTH.unsigned_abs(), height.unsigned_abs());
         let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         area.fill(&WHITE).map_err(|e| defect(&e))?;
-        let canvas = Canvas { area, width_cache: RefCell::default() };
+        let canvas = Canvas {
+            area,
+            width_cache: RefCell::default(),
+        };
         draw(&canvas)?;
         canvas.area.present().map_err(|e| defect(&e))?;
     }
@@ -74,61 +77,109 @@ fn register() -> Result<()> {
             .into_iter()
             .all(|style| register_font(FAMILY, style, epaint_default_fonts::UBUNTU_LIGHT).is_ok())
     });
-    if done { Ok(()) } else { Err(defect(&"the built-in font is not usable")) }
+    if done {
+        Ok(())
+    } else {
+        Err(defect(&"the built-in font is not usable"))
+    }
 }
 
 fn defect(problem: &dyn std::fmt::Display) -> Error {
-    Error::input("charts", problem.to_string(), "This is a defect of the program; please report it.")
+    Error::input(
+        "charts",
+        problem.to_string(),
+        "This is a defect of the program; please report it.",
+    )
 }
 
 /// XML has no control characters; a scene's name might.
 fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { '\u{fffd}' } else { c }).collect()
+    text.chars()
+        .map(|c| {
+            if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') {
+                '\u{fffd}'
+            } else {
+                c
+            }
+        })
+        .collect()
 }
 
 impl Canvas<'_> {
     /// A line through points.
     pub fn line(&self, points: &[Px], color: impl Color, width: u32) -> Result<()> {
         let style = color.to_rgba().stroke_width(width);
-        self.area.draw(&PathElement::new(points.to_vec(), style)).map_err(|e| defect(&e))
+        self.area
+            .draw(&PathElement::new(points.to_vec(), style))
+            .map_err(|e| defect(&e))
     }
 
     /// A line through points, broken by `pattern`: lengths drawn and skipped in turn, px; empty for a solid line.
-    pub fn dashed(&self, points: &[Px], color: impl Color, width: u32, pattern: &[f64]) -> Result<()> {
+    pub fn dashed(
+        &self,
+        points: &[Px],
+        color: impl Color,
+        width: u32,
+        pattern: &[f64],
+    ) -> Result<()> {
         if pattern.is_empty() {
             return self.line(points, color, width);
         }
-        dashes(points, pattern).iter().try_for_each(|dash| self.line(dash, color.to_rgba(), width))
+        dashes(points, pattern)
+            .iter()
+            .try_for_each(|dash| self.line(dash, color.to_rgba(), width))
     }
 
     /// A filled rectangle between two corners.
     pub fn rect(&self, corners: [Px; 2], color: impl Color) -> Result<()> {
-        self.area.draw(&Rectangle::new(corners, color.to_rgba().filled())).map_err(|e| defect(&e))
+        self.area
+            .draw(&Rectangle::new(corners, color.to_rgba().filled()))
+            .map_err(|e| defect(&e))
     }
 
     /// The outline of a rectangle.
     pub fn frame(&self, corners: [Px; 2], color: impl Color) -> Result<()> {
-        self.area.draw(&Rectangle::new(corners, color.to_rgba().stroke_width(1))).map_err(|e| defect(&e))
+        self.area
+            .draw(&Rectangle::new(corners, color.to_rgba().stroke_width(1)))
+            .map_err(|e| defect(&e))
     }
 
     /// A ring around a point.
     pub fn ring(&self, at: Px, radius: i32, color: impl Color, width: u32) -> Result<()> {
-        self.area.draw(&Circle::new(at, radius, color.to_rgba().stroke_width(width))).map_err(|e| defect(&e))
+        self.area
+            .draw(&Circle::new(
+                at,
+                radius,
+                color.to_rgba().stroke_width(width),
+            ))
+            .map_err(|e| defect(&e))
     }
 
     /// A method's marker, about `r` in radius; hollow ones keep only the outline.
     pub fn marker(&self, at: Px, r: f64, style: Style, hollow: bool) -> Result<()> {
         let (red, green, blue) = style.rgb;
-        let fill = if hollow { WHITE } else { RGBColor(red, green, blue) };
-        let edge = if hollow { RGBColor(red, green, blue) } else { INK };
+        let fill = if hollow {
+            WHITE
+        } else {
+            RGBColor(red, green, blue)
+        };
+        let edge = if hollow {
+            RGBColor(red, green, blue)
+        } else {
+            INK
+        };
         let width = if hollow { 2 } else { 1 };
         let Some(corners) = style.marker.corners(r) else {
-            self.area.draw(&Circle::new(at, r as i32, fill.filled())).map_err(|e| defect(&e))?;
+            self.area
+                .draw(&Circle::new(at, r as i32, fill.filled()))
+                .map_err(|e| defect(&e))?;
             return self.ring(at, r as i32, edge, width);
         };
         let place = |(x, y): &(f64, f64)| (at.0 + x.round() as i32, at.1 + y.round() as i32);
         let mut points: Vec<Px> = corners.iter().map(place).collect();
-        self.area.draw(&Polygon::new(points.clone(), fill.filled())).map_err(|e| defect(&e))?;
+        self.area
+            .draw(&Polygon::new(points.clone(), fill.filled()))
+            .map_err(|e| defect(&e))?;
         points.push(points[0]);
         self.line(&points, edge, width)
     }
@@ -146,7 +197,12 @@ impl Canvas<'_> {
 
     /// Text centred on a point and turned to read upwards.
     pub fn upright(&self, at: Px, text: &str, size: f64) -> Result<()> {
-        self.write(at, text, font(size).color(&INK).transform(FontTransform::Rotate270), Hang::Middle)
+        self.write(
+            at,
+            text,
+            font(size).color(&INK).transform(FontTransform::Rotate270),
+            Hang::Middle,
+        )
     }
 
     fn write(&self, at: Px, text: &str, style: TextStyle<'_>, hang: Hang) -> Result<()> {
@@ -156,18 +212,30 @@ impl Canvas<'_> {
             Hang::Left => HPos::Right,
         };
         let style = style.pos(Pos::new(h, VPos::Center));
-        self.area.draw_text(&printable(text), &style, at).map_err(|e| defect(&e))
+        self.area
+            .draw_text(&printable(text), &style, at)
+            .map_err(|e| defect(&e))
     }
 
     /// Width of a text, px, with some room for the reader's font.
     pub fn width(&self, text: &str, size: f64) -> Result<i32> {
         let key = size.to_bits();
-        if let Some((_, _, w)) = self.width_cache.borrow().iter().find(|(t, s, _)| t == text && *s == key) {
+        if let Some((_, _, w)) = self
+            .width_cache
+            .borrow()
+            .iter()
+            .find(|(t, s, _)| t == text && *s == key)
+        {
             return Ok(*w);
         }
-        let (w, _) = self.area.estimate_text_size(&printable(text), &font(size)).map_err(|e| defect(&e))?;
+        let (w, _) = self
+            .area
+            .estimate_text_size(&printable(text), &font(size))
+            .map_err(|e| defect(&e))?;
         let width = (f64::from(w) * WIDER).ceil() as i32;
-        self.width_cache.borrow_mut().push((text.to_owned(), key, width));
+        self.width_cache
+            .borrow_mut()
+            .push((text.to_owned(), key, width));
         Ok(width)
     }
 
@@ -195,7 +263,8 @@ fn dashes(points: &[Px], pattern: &[f64]) -> Vec<Vec<Px>> {
         let (a, b) = (pair[0], pair[1]);
         let length = f64::from((b.0 - a.0).pow(2) + (b.1 - a.1).pow(2)).sqrt();
         let at = |s: f64| {
-            let lerp = |p: i32, q: i32| (f64::from(p) + f64::from(q - p) * s / length).round() as i32;
+            let lerp =
+                |p: i32, q: i32| (f64::from(p) + f64::from(q - p) * s / length).round() as i32;
             (lerp(a.0, b.0), lerp(a.1, b.1))
         };
         let mut s = 0.0;

@@ -30,20 +30,38 @@ struct Row<'a> {
 /// Payload against map bytes; `None` when no method has a map.
 pub fn draw(view: &View<'_>) -> Result<Option<String>> {
     let rows = rows(view);
-    if rows.iter().all(|r| r.memory.map_bytes == 0 && r.memory.payload_bytes == 0) {
+    if rows
+        .iter()
+        .all(|r| r.memory.map_bytes == 0 && r.memory.payload_bytes == 0)
+    {
         return Ok(None);
     }
     let height = 192 + ROW * rows.len() as i32;
     let svg = sheet(height, |canvas| {
         let top = title(canvas, WHAT, WHERE)?;
-        let grey = Style { rgb: (0x55, 0x55, 0x55), marker: super::super::style::Marker::Circle };
+        let grey = Style {
+            rgb: (0x55, 0x55, 0x55),
+            marker: super::super::style::Marker::Circle,
+        };
         let keys = [
-            (Key::Hollow(grey), "hollow: payload (values × bytes × texels)".to_owned()),
-            (Key::Marker(grey), "filled: textures as allocated".to_owned()),
+            (
+                Key::Hollow(grey),
+                "hollow: payload (values × bytes × texels)".to_owned(),
+            ),
+            (
+                Key::Marker(grey),
+                "filled: textures as allocated".to_owned(),
+            ),
         ];
         let top = legend(canvas, top, &keys)?;
-        let reach = rows.iter().flat_map(|r| [r.memory.payload_bytes as f64, r.memory.map_bytes as f64]);
-        let axis = Axis::bytes("memory (bytes, log)", "0 (no map)", reach.collect::<Vec<_>>().into_iter());
+        let reach = rows
+            .iter()
+            .flat_map(|r| [r.memory.payload_bytes as f64, r.memory.map_bytes as f64]);
+        let axis = Axis::bytes(
+            "memory (bytes, log)",
+            "0 (no map)",
+            reach.collect::<Vec<_>>().into_iter(),
+        );
         let plot = Plot::new(top, height, LEFT, axis.clone(), axis);
         plot.draw_x(canvas)?;
         for (i, row) in rows.iter().enumerate() {
@@ -51,7 +69,12 @@ pub fn draw(view: &View<'_>) -> Result<Option<String>> {
         }
         let [left, top, right, bottom] = plot.bounds;
         canvas.frame([(left, top), (right, bottom)], INK)?;
-        caption(canvas, view, height, "Each method once for every resolution, storage and size that was measured.")
+        caption(
+            canvas,
+            view,
+            height,
+            "Each method once for every resolution, storage and size that was measured.",
+        )
     })?;
     Ok(Some(svg))
 }
@@ -68,27 +91,53 @@ fn draw_row(canvas: &Canvas<'_>, plot: &Plot, row: &Row<'_>, y: i32) -> Result<(
     if a != b {
         canvas.marker((a, y), 5.0, style, true)?;
     }
-    let text = if payload == map { bytes(map) } else { format!("{} → {}", bytes(payload), bytes(map)) };
+    let text = if payload == map {
+        bytes(map)
+    } else {
+        format!("{} → {}", bytes(payload), bytes(map))
+    };
     let width = canvas.width(&text, SMALL)?;
     let (right, left) = (a.max(b) + 12, a.min(b) - 12 - width);
-    let at = if right + width < WIDTH - 28 { right } else { left.max(plot.bounds[0] + 4) };
+    let at = if right + width < WIDTH - 28 {
+        right
+    } else {
+        left.max(plot.bounds[0] + 4)
+    };
     canvas.text((at, y), &text, SMALL, MUTED, Hang::Right)
 }
 
 fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
     let mut out: Vec<(Row<'a>, Shot<'a>)> = Vec::new();
     for shot in view.cases.iter().flat_map(super::super::view::Case::shots) {
-        let memory = Memory { allocator_bytes: None, ..shot.numbers.memory };
+        let memory = Memory {
+            allocator_bytes: None,
+            ..shot.numbers.memory
+        };
         let label = label(&shot);
         let same = |(r, _): &(Row<'_>, Shot<'_>)| r.label == label && r.memory == memory;
         if !out.iter().any(same) {
-            out.push((Row { method: &shot.cell.method, label, memory }, shot));
+            out.push((
+                Row {
+                    method: &shot.cell.method,
+                    label,
+                    memory,
+                },
+                shot,
+            ));
         }
     }
     let methods = distinct(out.iter().map(|(r, _)| r.method));
-    out.sort_by_key(|(r, _)| (methods.iter().position(|m| *m == r.method), r.memory.map_bytes, r.memory.payload_bytes));
-    let clashes: Vec<bool> =
-        out.iter().map(|(r, _)| out.iter().filter(|(o, _)| o.label == r.label).count() > 1).collect();
+    out.sort_by_key(|(r, _)| {
+        (
+            methods.iter().position(|m| *m == r.method),
+            r.memory.map_bytes,
+            r.memory.payload_bytes,
+        )
+    });
+    let clashes: Vec<bool> = out
+        .iter()
+        .map(|(r, _)| out.iter().filter(|(o, _)| o.label == r.label).count() > 1)
+        .collect();
     out.truncate(MOST);
     let name = |((mut row, shot), clash): ((Row<'a>, Shot<'a>), bool)| {
         if clash {
@@ -101,7 +150,15 @@ fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
 
 fn label(shot: &Shot<'_>) -> String {
     let cell = shot.cell;
-    let resolution = cell.params.get("resolution").map(|v| format!(" {}²", plain(v))).unwrap_or_default();
-    let storage = cell.params.get("storage").map(|v| format!(" {}", plain(v))).unwrap_or_default();
+    let resolution = cell
+        .params
+        .get("resolution")
+        .map(|v| format!(" {}²", plain(v)))
+        .unwrap_or_default();
+    let storage = cell
+        .params
+        .get("storage")
+        .map(|v| format!(" {}", plain(v)))
+        .unwrap_or_default();
     format!("{}{resolution}{storage}", cell.method)
 }

@@ -37,9 +37,21 @@ pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
     let mut out = Vec::new();
     for case in &view.cases {
         let drawn = [
-            ("error-time", "Error against time", scatter::error_time(view, case)?),
-            ("error-bytes", "Error against memory", scatter::error_bytes(view, case)?),
-            ("error-steps", "Error against steps", steps::draw(view, case)?),
+            (
+                "error-time",
+                "Error against time",
+                scatter::error_time(view, case)?,
+            ),
+            (
+                "error-bytes",
+                "Error against memory",
+                scatter::error_bytes(view, case)?,
+            ),
+            (
+                "error-steps",
+                "Error against steps",
+                steps::draw(view, case)?,
+            ),
             ("time", "Time of each cell", bars::draw(view, case)?),
         ];
         for (kind, what, svg) in drawn {
@@ -71,5 +83,7 @@ pub fn write(folder: &Path, charts: &[Chart]) -> Result<()> {
             }
         }
     }
-    charts.iter().try_for_each(|chart| files::write(&folder.join(&chart.file), chart.svg.as_bytes()))
+    charts
+        .iter()
+        .try_for_each(|chart| files::write(&folder.join(&chart.file), chart.svg.as_bytes()))
 }

@@ -44,7 +44,11 @@ pub fn legend(canvas: &Canvas<'_>, top: i32, entries: &[(Key, String)]) -> Resul
     let (mut x, mut y) = (MARGIN, top + 9);
     for (key, text) in entries {
         let text = canvas.fit(text, TEXT, 300)?;
-        let lead = if matches!(key, Key::Line(..) | Key::Frontier | Key::MapFrontier) { 42 } else { 20 };
+        let lead = if matches!(key, Key::Line(..) | Key::Frontier | Key::MapFrontier) {
+            42
+        } else {
+            20
+        };
         let width = lead + canvas.width(&text, TEXT)? + 18;
         if x + width > WIDTH - MARGIN / 2 && x > MARGIN {
             (x, y) = (MARGIN, y + 21);
@@ -109,7 +113,11 @@ pub struct Plot {
 impl Plot {
     /// A plot from `top` down to the caption of a sheet of `height`, with `left` px for the y axis.
     pub fn new(top: i32, height: i32, left: i32, x: Axis, y: Axis) -> Self {
-        Self { bounds: [left, top, WIDTH - 24, height - CAPTION - UNDER], x, y }
+        Self {
+            bounds: [left, top, WIDTH - 24, height - CAPTION - UNDER],
+            x,
+            y,
+        }
     }
 
     /// Pixel column of a value.
@@ -128,7 +136,10 @@ impl Plot {
     pub fn break_line(&self) -> Vec<Px> {
         let [left, top, right, bottom] = self.bounds;
         let x = |share: f64| left + (share * f64::from(right - left)).round() as i32;
-        self.x.break_at().map(|s| vec![(x(s), top), (x(s), bottom)]).unwrap_or_default()
+        self.x
+            .break_at()
+            .map(|s| vec![(x(s), top), (x(s), bottom)])
+            .unwrap_or_default()
     }
 
     /// Grid, frame, tick labels and axis titles.
@@ -144,7 +155,9 @@ impl Plot {
         let [left, top, right, bottom] = self.bounds;
         let at = |t: &Tick| left + (t.at * f64::from(right - left)).round() as i32;
         let ticks = self.x.ticks();
-        ticks.iter().try_for_each(|t| canvas.line(&[(at(t), top), (at(t), bottom)], GRID, 1))?;
+        ticks
+            .iter()
+            .try_for_each(|t| canvas.line(&[(at(t), top), (at(t), bottom)], GRID, 1))?;
         let mut taken: Vec<(i32, i32)> = Vec::new();
         for tick in by_rank(&ticks) {
             let half = canvas.width(&tick.text, SMALL)? / 2;
@@ -152,19 +165,33 @@ impl Plot {
             let inside = span.1 < WIDTH && span.0 > 0;
             if inside && taken.iter().all(|t| span.1 < t.0 || span.0 > t.1) {
                 canvas.line(&[(at(tick), bottom), (at(tick), bottom + 5)], INK, 1)?;
-                canvas.text((at(tick), bottom + 14), &tick.text, SMALL, INK, Hang::Middle)?;
+                canvas.text(
+                    (at(tick), bottom + 14),
+                    &tick.text,
+                    SMALL,
+                    INK,
+                    Hang::Middle,
+                )?;
                 taken.push(span);
             }
         }
         canvas.dashed(&self.break_line(), MUTED, 1, &[2.0, 4.0])?;
-        canvas.text(((left + right) / 2, bottom + 35), &self.x.title, TEXT, INK, Hang::Middle)
+        canvas.text(
+            ((left + right) / 2, bottom + 35),
+            &self.x.title,
+            TEXT,
+            INK,
+            Hang::Middle,
+        )
     }
 
     fn draw_y(&self, canvas: &Canvas<'_>) -> Result<()> {
         let [left, top, right, bottom] = self.bounds;
         let at = |t: &Tick| bottom - (t.at * f64::from(bottom - top)).round() as i32;
         let ticks = self.y.ticks();
-        ticks.iter().try_for_each(|t| canvas.line(&[(left, at(t)), (right, at(t))], GRID, 1))?;
+        ticks
+            .iter()
+            .try_for_each(|t| canvas.line(&[(left, at(t)), (right, at(t))], GRID, 1))?;
         let mut taken: Vec<i32> = Vec::new();
         for tick in by_rank(&ticks) {
             if taken.iter().all(|t| (at(tick) - t).abs() >= 17) {

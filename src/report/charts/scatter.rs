@@ -32,8 +32,15 @@ pub fn error_time(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     if dots.is_empty() {
         return Ok(None);
     }
-    let reach = dots.iter().flat_map(|d| [Some(d.x), d.spread.map(|s| s.0), d.spread.map(|s| s.1)]).flatten();
-    let axis = Axis::log("total time of one picture (ms, median, log)", "0", reach.filter(|v| *v > 0.0));
+    let reach = dots
+        .iter()
+        .flat_map(|d| [Some(d.x), d.spread.map(|s| s.0), d.spread.map(|s| s.1)])
+        .flatten();
+    let axis = Axis::log(
+        "total time of one picture (ms, median, log)",
+        "0",
+        reach.filter(|v| *v > 0.0),
+    );
     let untimed = case.shots().len() - dots.len();
     let mut note = "Points: medians. Horizontal bars: smallest to 95th percentile.".to_owned();
     if untimed > 0 {
@@ -48,23 +55,44 @@ pub fn error_bytes(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     if dots.is_empty() {
         return Ok(None);
     }
-    let axis = Axis::bytes("textures of the map as allocated (bytes, log)", "0 (no map)", dots.iter().map(|d| d.x));
+    let axis = Axis::bytes(
+        "textures of the map as allocated (bytes, log)",
+        "0 (no map)",
+        dots.iter().map(|d| d.x),
+    );
     let note = "Methods without a map stand at 0. Circled: no other cell has both less memory and less error.";
     draw(view, case, "Error against memory", axis, &dots, note).map(Some)
 }
 
 type Cost = (f64, Option<(f64, f64)>);
 
-fn dots<'a>(view: &View<'_>, case: &Case<'a>, cost: impl Fn(&Shot<'_>) -> Option<Cost>) -> Vec<Dot<'a>> {
+fn dots<'a>(
+    view: &View<'_>,
+    case: &Case<'a>,
+    cost: impl Fn(&Shot<'_>) -> Option<Cost>,
+) -> Vec<Dot<'a>> {
     let dot = |s: Shot<'a>| {
         let (x, spread) = cost(&s)?;
         let y = s.numbers.error.rel_rmse;
-        Some(Dot { method: &s.cell.method, label: view.short(s.cell), x, spread, y })
+        Some(Dot {
+            method: &s.cell.method,
+            label: view.short(s.cell),
+            x,
+            spread,
+            y,
+        })
     };
     case.shots().into_iter().filter_map(dot).collect()
 }
 
-fn draw(view: &View<'_>, case: &Case<'_>, what: &str, x: Axis, dots: &[Dot<'_>], note: &str) -> Result<String> {
+fn draw(
+    view: &View<'_>,
+    case: &Case<'_>,
+    what: &str,
+    x: Axis,
+    dots: &[Dot<'_>],
+    note: &str,
+) -> Result<String> {
     let best = frontier(&dots.iter().map(|d| (d.x, d.y)).collect::<Vec<_>>());
     let with_map = with_map(dots, &best);
     sheet(HEIGHT, |canvas| {
@@ -77,7 +105,10 @@ fn draw(view: &View<'_>, case: &Case<'_>, what: &str, x: Axis, dots: &[Dot<'_>],
             .collect();
         keys.push((Key::Frontier, "Pareto frontier".to_owned()));
         if !with_map.is_empty() {
-            keys.push((Key::MapFrontier, "frontier of methods with a map".to_owned()));
+            keys.push((
+                Key::MapFrontier,
+                "frontier of methods with a map".to_owned(),
+            ));
         }
         let top = legend(canvas, top, &keys)?;
         let y = Axis::log(ERROR, "0", dots.iter().map(|d| d.y));
@@ -110,9 +141,19 @@ fn with_map(dots: &[Dot<'_>], best: &[usize]) -> Vec<usize> {
     if dots.iter().all(|d| d.x > 0.0) {
         return Vec::new();
     }
-    let apart = |d: &Dot<'_>| if d.x > 0.0 { (d.x, d.y) } else { (f64::NAN, d.y) };
+    let apart = |d: &Dot<'_>| {
+        if d.x > 0.0 {
+            (d.x, d.y)
+        } else {
+            (f64::NAN, d.y)
+        }
+    };
     let own = frontier(&dots.iter().map(apart).collect::<Vec<_>>());
-    if own.iter().all(|i| best.contains(i)) { Vec::new() } else { own }
+    if own.iter().all(|i| best.contains(i)) {
+        Vec::new()
+    } else {
+        own
+    }
 }
 
 fn draw_dots(canvas: &Canvas<'_>, plot: &Plot, dots: &[Dot<'_>]) -> Result<()> {
@@ -126,7 +167,14 @@ fn draw_dots(canvas: &Canvas<'_>, plot: &Plot, dots: &[Dot<'_>]) -> Result<()> {
             canvas.line(&[(b, y - 4), (b, y + 4)], color, 2)?;
         }
     }
-    dots.iter().try_for_each(|d| canvas.marker((plot.px(d.x), plot.py(d.y)), 5.0, Style::of(d.method), false))
+    dots.iter().try_for_each(|d| {
+        canvas.marker(
+            (plot.px(d.x), plot.py(d.y)),
+            5.0,
+            Style::of(d.method),
+            false,
+        )
+    })
 }
 
 fn draw_labels(
@@ -142,14 +190,23 @@ fn draw_labels(
     (0..dots.len()).for_each(|i| placer.keep_free(at(i), if best.contains(&i) { 10 } else { 7 }));
     for dot in dots {
         let (min, p95) = dot.spread.unwrap_or((dot.x, dot.x));
-        placer.avoid_line(&[(plot.px(min), plot.py(dot.y)), (plot.px(p95), plot.py(dot.y))]);
+        placer.avoid_line(&[
+            (plot.px(min), plot.py(dot.y)),
+            (plot.px(p95), plot.py(dot.y)),
+        ]);
     }
     placer.avoid_line(&plot.break_line());
     lines.iter().for_each(|line| placer.avoid_line(line));
-    best.iter().try_for_each(|&i| canvas.ring(at(i), 9, INK, 2))?;
-    for &i in best.iter().chain(with_map.iter().filter(|i| !best.contains(i))) {
+    best.iter()
+        .try_for_each(|&i| canvas.ring(at(i), 9, INK, 2))?;
+    for &i in best
+        .iter()
+        .chain(with_map.iter().filter(|i| !best.contains(i)))
+    {
         let text = canvas.fit(&dots[i].label, SMALL, 220)?;
-        let Some(place) = placer.place(at(i), canvas.width(&text, SMALL)?) else { continue };
+        let Some(place) = placer.place(at(i), canvas.width(&text, SMALL)?) else {
+            continue;
+        };
         if place.leader {
             canvas.line(&[at(i), place.near], MUTED, 1)?;
         }

@@ -15,7 +15,13 @@ struct Line<'a> {
 }
 
 /// How the lines of one method are told apart.
-const PATTERNS: [&[f64]; 5] = [&[], &[7.0, 4.0], &[2.0, 3.0], &[10.0, 3.0, 2.0, 3.0], &[14.0, 5.0]];
+const PATTERNS: [&[f64]; 5] = [
+    &[],
+    &[7.0, 4.0],
+    &[2.0, 3.0],
+    &[10.0, 3.0, 2.0, 3.0],
+    &[14.0, 5.0],
+];
 
 /// Error against steps; `None` when no setting was measured at two numbers of steps.
 pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
@@ -23,26 +29,55 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     if lines.is_empty() {
         return Ok(None);
     }
-    let rank = |i: usize| lines[..i].iter().filter(|l| l.method == lines[i].method).count();
-    let styled: Vec<(&Line<'_>, Style, &'static [f64])> =
-        lines.iter().enumerate().map(|(i, l)| (l, Style::of(l.method), PATTERNS[rank(i) % PATTERNS.len()])).collect();
+    let rank = |i: usize| {
+        lines[..i]
+            .iter()
+            .filter(|l| l.method == lines[i].method)
+            .count()
+    };
+    let styled: Vec<(&Line<'_>, Style, &'static [f64])> = lines
+        .iter()
+        .enumerate()
+        .map(|(i, l)| (l, Style::of(l.method), PATTERNS[rank(i) % PATTERNS.len()]))
+        .collect();
     let rows = i32::try_from(lines.len() / 2).unwrap_or(0).min(30);
     let height = 500 + 16 * rows;
     let svg = sheet(height, |canvas| {
         let top = title(canvas, "Error against steps", &case.short_name)?;
-        let keys: Vec<_> = styled.iter().map(|(l, s, p)| (Key::Line(*s, p), l.label.clone())).collect();
+        let keys: Vec<_> = styled
+            .iter()
+            .map(|(l, s, p)| (Key::Line(*s, p), l.label.clone()))
+            .collect();
         let top = legend(canvas, top, &keys)?;
         let all = || lines.iter().flat_map(|l| l.points.iter());
-        let x = Axis::log("steps of the light or map march (1, log)", "0", all().map(|p| p.0));
-        let y = Axis::log("relative RMSE against the truth (1, log)", "0", all().map(|p| p.1));
+        let x = Axis::log(
+            "steps of the light or map march (1, log)",
+            "0",
+            all().map(|p| p.0),
+        );
+        let y = Axis::log(
+            "relative RMSE against the truth (1, log)",
+            "0",
+            all().map(|p| p.1),
+        );
         let plot = Plot::new(top, height, 84, x, y);
         plot.draw(canvas)?;
         for (line, style, pattern) in &styled {
-            let path: Vec<_> = line.points.iter().map(|p| (plot.px(p.0), plot.py(p.1))).collect();
+            let path: Vec<_> = line
+                .points
+                .iter()
+                .map(|p| (plot.px(p.0), plot.py(p.1)))
+                .collect();
             canvas.dashed(&path, ink_of(*style), 2, pattern)?;
-            path.iter().try_for_each(|at| canvas.marker(*at, 4.0, *style, false))?;
+            path.iter()
+                .try_for_each(|at| canvas.marker(*at, 4.0, *style, false))?;
         }
-        caption(canvas, view, height, "Each line: one method at one setting of everything but its steps.")
+        caption(
+            canvas,
+            view,
+            height,
+            "Each line: one method at one setting of everything but its steps.",
+        )
     })?;
     Ok(Some(svg))
 }
@@ -51,19 +86,33 @@ fn lines<'a>(view: &View<'_>, case: &Case<'a>) -> Vec<Line<'a>> {
     let mut groups: Vec<(Vec<(&String, &serde_json::Value)>, Line<'a>)> = Vec::new();
     for shot in case.shots() {
         let cell = shot.cell;
-        let Some(steps) = cell.params.get("steps").and_then(serde_json::Value::as_f64) else { continue };
+        let Some(steps) = cell.params.get("steps").and_then(serde_json::Value::as_f64) else {
+            continue;
+        };
         let key: Vec<_> = cell.params.iter().filter(|(k, _)| *k != "steps").collect();
         let point = (steps, shot.numbers.error.rel_rmse);
-        match groups.iter_mut().find(|(k, l)| l.method == cell.method && *k == key) {
+        match groups
+            .iter_mut()
+            .find(|(k, l)| l.method == cell.method && *k == key)
+        {
             Some((_, line)) => line.points.push(point),
             None => {
                 let label = view.short_without(cell, &["steps"]);
-                groups.push((key, Line { method: &cell.method, label, points: vec![point] }));
+                groups.push((
+                    key,
+                    Line {
+                        method: &cell.method,
+                        label,
+                        points: vec![point],
+                    },
+                ));
             }
         }
     }
     let mut lines: Vec<Line<'a>> = groups.into_iter().map(|(_, line)| line).collect();
-    lines.iter_mut().for_each(|l| l.points.sort_by(|a, b| a.0.total_cmp(&b.0)));
+    lines
+        .iter_mut()
+        .for_each(|l| l.points.sort_by(|a, b| a.0.total_cmp(&b.0)));
     lines.retain(|l| distinct(l.points.iter().map(|p| p.0)).len() > 1);
     lines
 }

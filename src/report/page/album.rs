@@ -42,7 +42,10 @@ pub struct Album {
 impl Album {
     /// Pictures of a report folder.
     pub fn new(folder: &Path) -> Self {
-        Self { folder: folder.to_owned(), left: BUDGET }
+        Self {
+            folder: folder.to_owned(),
+            left: BUDGET,
+        }
     }
 
     /// The picture a record names under `key`, embedded whatever it adds to the page.
@@ -54,7 +57,11 @@ impl Album {
         match self.read(name) {
             Ok((uri, size)) => {
                 self.left = self.left.saturating_sub(uri.len());
-                Picture::Embedded { uri, link: files::link(name), size }
+                Picture::Embedded {
+                    uri,
+                    link: files::link(name),
+                    size,
+                }
             }
             Err(reason) => Picture::Missing(reason),
         }
@@ -64,7 +71,9 @@ impl Album {
     pub fn show_if_room(&mut self, files: &Map<String, Value>, key: &str) -> Picture {
         let before = self.left;
         let linked = match files.get(key) {
-            Some(Value::String(name)) if before == 0 && self.link(name).is_some() => Some(files::link(name)),
+            Some(Value::String(name)) if before == 0 && self.link(name).is_some() => {
+                Some(files::link(name))
+            }
             _ => None,
         };
         linked.map_or_else(|| self.show(files, key), |link| Picture::Linked { link })
@@ -72,7 +81,10 @@ impl Album {
 
     /// The link to a file that exists inside the folder.
     pub fn link(&self, name: &str) -> Option<String> {
-        files::inside(&self.folder, name).ok().filter(|p| p.is_file()).map(|_| files::link(name))
+        files::inside(&self.folder, name)
+            .ok()
+            .filter(|p| p.is_file())
+            .map(|_| files::link(name))
     }
 
     fn read(&self, name: &str) -> Result<(String, (u32, u32)), String> {
@@ -84,10 +96,18 @@ impl Album {
         if size.0 <= WIDEST {
             return Ok((data_uri(&bytes), size));
         }
-        let height = (f64::from(size.1) * f64::from(WIDEST) / f64::from(size.0)).round().max(1.0) as u32;
-        let small = DynamicImage::ImageRgb8(picture.to_rgb8()).resize_exact(WIDEST, height, FilterType::Triangle);
+        let height = (f64::from(size.1) * f64::from(WIDEST) / f64::from(size.0))
+            .round()
+            .max(1.0) as u32;
+        let small = DynamicImage::ImageRgb8(picture.to_rgb8()).resize_exact(
+            WIDEST,
+            height,
+            FilterType::Triangle,
+        );
         let mut png = Cursor::new(Vec::new());
-        small.write_to(&mut png, ImageFormat::Png).map_err(|e| format!("`{name}` cannot be scaled: {e}"))?;
+        small
+            .write_to(&mut png, ImageFormat::Png)
+            .map_err(|e| format!("`{name}` cannot be scaled: {e}"))?;
         Ok((data_uri(png.get_ref()), (WIDEST, height)))
     }
 }
@@ -100,5 +120,8 @@ fn unreadable(name: &str, problem: &std::io::Error) -> String {
 }
 
 fn data_uri(png: &[u8]) -> String {
-    format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(png))
+    format!(
+        "data:image/png;base64,{}",
+        base64::engine::general_purpose::STANDARD.encode(png)
+    )
 }

@@ -35,8 +35,15 @@ fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
     if timed.is_empty() {
         return html! { p.notice { "Times are n/a: the adapter gives no timestamps." } };
     }
-    let points: Vec<_> =
-        timed.iter().map(|s| (s.total_ms().unwrap_or(f64::INFINITY), s.numbers.error.rel_rmse)).collect();
+    let points: Vec<_> = timed
+        .iter()
+        .map(|s| {
+            (
+                s.total_ms().unwrap_or(f64::INFINITY),
+                s.numbers.error.rel_rmse,
+            )
+        })
+        .collect();
     let untimed = shots.len() - timed.len();
     let caption = html! {
         "Smallest error for a given time."
@@ -61,9 +68,15 @@ fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
 }
 
 fn by_memory(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
-    let points: Vec<_> = shots.iter().map(|s| (s.map_bytes(), s.numbers.error.rel_rmse)).collect();
+    let points: Vec<_> = shots
+        .iter()
+        .map(|s| (s.map_bytes(), s.numbers.error.rel_rmse))
+        .collect();
     let best = frontier(&points);
-    let only_maps: Vec<_> = points.iter().map(|p| if p.0 > 0.0 { *p } else { (f64::NAN, p.1) }).collect();
+    let only_maps: Vec<_> = points
+        .iter()
+        .map(|p| if p.0 > 0.0 { *p } else { (f64::NAN, p.1) })
+        .collect();
     let mut with_map = frontier(&only_maps);
     with_map.retain(|i| !best.contains(i));
     let caption = html! {

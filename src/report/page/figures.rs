@@ -36,7 +36,10 @@ fn grid(charts: &[&Chart]) -> Markup {
 /// The SVG without its fixed size, so that it fills the room it has. Its text is already escaped.
 fn fluid(svg: &str) -> String {
     let fixed = format!("<svg width=\"{WIDTH}\" height=\"");
-    match svg.strip_prefix(&fixed).and_then(|rest| rest.split_once("\" ")) {
+    match svg
+        .strip_prefix(&fixed)
+        .and_then(|rest| rest.split_once("\" "))
+    {
         Some((_, rest)) => format!("<svg {rest}"),
         None => svg.to_owned(),
     }

@@ -33,8 +33,12 @@ fn swatch(id: &str) -> PreEscaped<String> {
 
 /// The setting of a cell, every parameter on hover.
 pub fn setting(view: &View<'_>, shot: &Shot<'_>) -> Markup {
-    let all: Vec<String> =
-        shot.cell.params.iter().map(|(k, v)| format!("{k}={}", super::super::view::plain(v))).collect();
+    let all: Vec<String> = shot
+        .cell
+        .params
+        .iter()
+        .map(|(k, v)| format!("{k}={}", super::super::view::plain(v)))
+        .collect();
     let text = view.setting(shot.cell);
     html! { span.setting title=(all.join(" ")) { @if text.is_empty() { "–" } @else { (text) } } }
 }
@@ -57,7 +61,13 @@ pub fn heading(name: &str, unit: &str, numeric: bool) -> Markup {
 }
 
 /// A table in a container of its own that scrolls, with a caption that names the adapter.
-pub fn table(view: &View<'_>, caption: impl Render, class: &str, head: impl Render, body: impl Render) -> Markup {
+pub fn table(
+    view: &View<'_>,
+    caption: impl Render,
+    class: &str,
+    head: impl Render,
+    body: impl Render,
+) -> Markup {
     html! {
         figure.table {
             figcaption { (caption) " " span.where { "Adapter: " (view.adapter()) } }
@@ -73,5 +83,9 @@ pub fn table(view: &View<'_>, caption: impl Render, class: &str, head: impl Rend
 
 /// `1 cell`, `3 cells`.
 pub fn plural(n: usize, noun: &str) -> String {
-    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+    if n == 1 {
+        format!("1 {noun}")
+    } else {
+        format!("{n} {noun}s")
+    }
 }

@@ -22,7 +22,11 @@ pub fn section(view: &View<'_>, album: &mut Album) -> Markup {
 }
 
 fn sheet(view: &View<'_>, case: &Case<'_>, album: &mut Album) -> Markup {
-    let best: Vec<(&str, Option<Shot<'_>>)> = case.methods().into_iter().map(|m| (m, case.best(m))).collect();
+    let best: Vec<(&str, Option<Shot<'_>>)> = case
+        .methods()
+        .into_iter()
+        .map(|m| (m, case.best(m)))
+        .collect();
     html! {
         article.case data-case=(case.number) {
             h3 { (case.name) }
@@ -62,7 +66,10 @@ fn truth(case: &Case<'_>, album: &mut Album) -> Markup {
 
 /// What the colours of the differences mean; the scale is the record's `diff_scale` where it names one.
 fn color_bar(case: &Case<'_>) -> Markup {
-    let scale = case.shots().iter().find_map(|s| s.numbers.files.get("diff_scale").and_then(|v| v.as_f64()));
+    let scale = case
+        .shots()
+        .iter()
+        .find_map(|s| s.numbers.files.get("diff_scale").and_then(|v| v.as_f64()));
     let end = |sign: &str, word: &str| match scale {
         Some(s) => format!("{sign}{s}"),
         None => word.to_owned(),
@@ -123,8 +130,16 @@ fn image(picture: &Picture, name: &str, class: &str) -> Markup {
 }
 
 /// The chooser: works with the script, hidden without it. Cells that have a card on the sheet take its pictures.
-fn compare(view: &View<'_>, case: &Case<'_>, best: &[(&str, Option<Shot<'_>>)], album: &mut Album) -> Markup {
-    let on_sheet = |s: &Shot<'_>| best.iter().any(|(_, b)| b.as_ref().is_some_and(|b| b.cell.index == s.cell.index));
+fn compare(
+    view: &View<'_>,
+    case: &Case<'_>,
+    best: &[(&str, Option<Shot<'_>>)],
+    album: &mut Album,
+) -> Markup {
+    let on_sheet = |s: &Shot<'_>| {
+        best.iter()
+            .any(|(_, b)| b.as_ref().is_some_and(|b| b.cell.index == s.cell.index))
+    };
     let shots = case.shots();
     if shots.is_empty() {
         return html! {};

@@ -50,7 +50,8 @@ const TEXTS: [&str; 4] = ["Scene", "Method", "Setting", "Picture"];
 
 /// The section.
 pub fn section(view: &View<'_>, album: &Album) -> Markup {
-    let head = html! { @for (name, unit) in COLUMNS { (heading(name, unit, !TEXTS.contains(&name))) } };
+    let head =
+        html! { @for (name, unit) in COLUMNS { (heading(name, unit, !TEXTS.contains(&name))) } };
     let body = html! {
         @for case in &view.cases {
             @for shot in case.shots() { (row(view, case, &shot, album)) }
@@ -70,7 +71,12 @@ pub fn section(view: &View<'_>, album: &Album) -> Markup {
 }
 
 fn row(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &Album) -> Markup {
-    let picture = shot.numbers.files.get("png").and_then(|v| v.as_str()).and_then(|n| album.link(n));
+    let picture = shot
+        .numbers
+        .files
+        .get("png")
+        .and_then(|v| v.as_str())
+        .and_then(|n| album.link(n));
     html! {
         tr {
             td.n data-v=(shot.cell.index) { (shot.cell.index) }
@@ -138,7 +144,9 @@ fn fixed(view: &View<'_>) -> Markup {
         let cell = view.report.cells.iter().find(|c| c.method == method);
         let params = cell.into_iter().flat_map(|c| &c.params);
         let same = params.filter(|(k, _)| !view.varying(method).contains(&k.as_str()));
-        same.map(|(k, v)| format!("{k}={}", super::super::view::plain(v))).collect::<Vec<_>>().join(" ")
+        same.map(|(k, v)| format!("{k}={}", super::super::view::plain(v)))
+            .collect::<Vec<_>>()
+            .join(" ")
     };
     let head = html! { th scope="col" { "Method" } th scope="col" { "The same in all its cells" } };
     let body = html! {
@@ -150,5 +158,11 @@ fn fixed(view: &View<'_>) -> Markup {
             }
         }
     };
-    parts::table(view, "Parameters that this experiment does not vary.", "small", head, body)
+    parts::table(
+        view,
+        "Parameters that this experiment does not vary.",
+        "small",
+        head,
+        body,
+    )
 }

@@ -8,12 +8,16 @@ use maud::{Markup, html};
 
 /// Failed cells with their reasons; nothing when none failed.
 pub fn failures(view: &View<'_>) -> Markup {
-    let failed: Vec<_> = view.report.cells.iter().filter(|c| c.result.is_none()).collect();
+    let failed: Vec<_> = view
+        .report
+        .cells
+        .iter()
+        .filter(|c| c.result.is_none())
+        .collect();
     if failed.is_empty() {
         return html! {};
     }
-    let head =
-        html! { @for name in ["#", "Scene", "Sun", "Method", "Parameters", "Reason"] { th scope="col" { (name) } } };
+    let head = html! { @for name in ["#", "Scene", "Sun", "Method", "Parameters", "Reason"] { th scope="col" { (name) } } };
     let body = html! {
         @for cell in &failed {
             tr {
@@ -36,7 +40,12 @@ pub fn failures(view: &View<'_>) -> Markup {
 
 /// Verdicts on published claims, as the records give them; nothing for a plain batch.
 pub fn claims(view: &View<'_>) -> Markup {
-    let claims: Vec<_> = view.report.claims.iter().filter_map(|c| c.as_object()).collect();
+    let claims: Vec<_> = view
+        .report
+        .claims
+        .iter()
+        .filter_map(|c| c.as_object())
+        .collect();
     if claims.is_empty() {
         return html! {};
     }
@@ -78,7 +87,8 @@ pub fn references(view: &View<'_>) -> Markup {
             }
         }
     };
-    let caption = "The 1000-step truths. Times from the cache are those of the run that made the picture.";
+    let caption =
+        "The 1000-step truths. Times from the cache are those of the run that made the picture.";
     html! {
         section #references {
             h2 { "Truths" }
@@ -91,17 +101,36 @@ pub fn references(view: &View<'_>) -> Markup {
 /// Million density samples a second.
 fn throughput(reference: &Reference) -> Option<f64> {
     let samples = reference.view_samples? + reference.light_samples?;
-    reference.march_ms.filter(|ms| *ms > 0.0).map(|ms| samples as f64 / ms / 1e3)
+    reference
+        .march_ms
+        .filter(|ms| *ms > 0.0)
+        .map(|ms| samples as f64 / ms / 1e3)
 }
 
 /// Time of the truth over that of the first `srm` cell with 10 steps that was compared with it.
 fn times_srm10(view: &View<'_>, reference: &Reference) -> Option<f64> {
     let ten = |cell: &&crate::batch::record::Cell| {
-        let own = cell.result.as_ref().is_some_and(|r| r.reference == reference.id);
-        own && cell.method == "srm" && cell.params.get("steps").and_then(|v| v.as_f64()) == Some(10.0)
+        let own = cell
+            .result
+            .as_ref()
+            .is_some_and(|r| r.reference == reference.id);
+        own && cell.method == "srm"
+            && cell.params.get("steps").and_then(|v| v.as_f64()) == Some(10.0)
     };
-    let total = view.report.cells.iter().find(ten)?.result.as_ref()?.time_ms.total?.median;
-    reference.march_ms.filter(|_| total > 0.0).map(|ms| ms / total)
+    let total = view
+        .report
+        .cells
+        .iter()
+        .find(ten)?
+        .result
+        .as_ref()?
+        .time_ms
+        .total?
+        .median;
+    reference
+        .march_ms
+        .filter(|_| total > 0.0)
+        .map(|ms| ms / total)
 }
 
 /// Adapter, driver, build, host.
@@ -132,10 +161,22 @@ pub fn wall(view: &View<'_>) -> Markup {
     let ratio = (w.passes_s > 0.0).then(|| (w.total_s - w.compile_s) / w.passes_s);
     let seconds = |s: f64| format!("{} s", number(s));
     let pairs = [
-        ("Total", seconds(w.total_s), "from start to report, summed over resumed runs"),
-        ("Passes", seconds(w.passes_s), "on the device: timed and discarded runs, truths, counting, floor"),
+        (
+            "Total",
+            seconds(w.total_s),
+            "from start to report, summed over resumed runs",
+        ),
+        (
+            "Passes",
+            seconds(w.passes_s),
+            "on the device: timed and discarded runs, truths, counting, floor",
+        ),
         ("Compilation", seconds(w.compile_s), "shaders and pipelines"),
-        ("(Total − compilation) ÷ passes", maybe(ratio), "1 would mean that nothing but passes took time"),
+        (
+            "(Total − compilation) ÷ passes",
+            maybe(ratio),
+            "1 would mean that nothing but passes took time",
+        ),
     ];
     html! {
         section #wall {
@@ -152,7 +193,12 @@ pub fn wall(view: &View<'_>) -> Markup {
 }
 
 fn truths_ms(view: &View<'_>) -> Option<f64> {
-    let times: Vec<f64> = view.report.references.iter().filter_map(|r| r.march_ms).collect();
+    let times: Vec<f64> = view
+        .report
+        .references
+        .iter()
+        .filter_map(|r| r.march_ms)
+        .collect();
     (!times.is_empty()).then(|| times.iter().sum())
 }
 
@@ -162,30 +208,90 @@ const DEFINITIONS: [(&str, &str); 22] = [
         "L, ΔL",
         "sun-lit linear radiance of a cloud pixel (opacity of the truth above 0.01), and its difference from the truth",
     ),
-    ("rel_rmse", "√Σ(ΔL)² / √ΣL² over RGB and cloud pixels; 1 = as large as the picture itself"),
-    ("floor_rel_rmse", "rel_rmse of the uncompressed column at the same steps and texels: what marching alone costs"),
-    ("bias", "ΣΔL / ΣL, in %; near zero it can hide leak and darken of equal size"),
-    ("leak", "Σmax(ΔL, 0) / ΣL, in %: light where there should be shadow"),
-    ("darken", "Σmin(ΔL, 0) / ΣL, in %, never positive: shadow where there should be light"),
-    ("p99_abs, max_abs", "99th percentile and largest |ΔL|, in units of the truth's mean L"),
-    ("T RMSE", "transmittance_rmse: RMSE of the light transmittance, weighted by σT along the view ray; 0 to 1"),
-    ("FLIP", "perceived difference (LDR, 67 pixels a degree), 0 to 1: mean and 99th percentile"),
-    ("PSNR", "peak signal-to-noise ratio after one tone map fixed from the truth, peak 1, in dB; n/a when equal"),
-    ("SSIM", "structural similarity of the tone-mapped luma; 1 = equal"),
-    ("flicker", "RMS frame-to-frame change of ΔL over a camera pan, in units of mean L; n/a without a pan"),
-    ("not finite", "channels of the picture that are NaN or infinite; 0 is right"),
+    (
+        "rel_rmse",
+        "√Σ(ΔL)² / √ΣL² over RGB and cloud pixels; 1 = as large as the picture itself",
+    ),
+    (
+        "floor_rel_rmse",
+        "rel_rmse of the uncompressed column at the same steps and texels: what marching alone costs",
+    ),
+    (
+        "bias",
+        "ΣΔL / ΣL, in %; near zero it can hide leak and darken of equal size",
+    ),
+    (
+        "leak",
+        "Σmax(ΔL, 0) / ΣL, in %: light where there should be shadow",
+    ),
+    (
+        "darken",
+        "Σmin(ΔL, 0) / ΣL, in %, never positive: shadow where there should be light",
+    ),
+    (
+        "p99_abs, max_abs",
+        "99th percentile and largest |ΔL|, in units of the truth's mean L",
+    ),
+    (
+        "T RMSE",
+        "transmittance_rmse: RMSE of the light transmittance, weighted by σT along the view ray; 0 to 1",
+    ),
+    (
+        "FLIP",
+        "perceived difference (LDR, 67 pixels a degree), 0 to 1: mean and 99th percentile",
+    ),
+    (
+        "PSNR",
+        "peak signal-to-noise ratio after one tone map fixed from the truth, peak 1, in dB; n/a when equal",
+    ),
+    (
+        "SSIM",
+        "structural similarity of the tone-mapped luma; 1 = equal",
+    ),
+    (
+        "flicker",
+        "RMS frame-to-frame change of ΔL over a camera pan, in units of mean L; n/a without a pan",
+    ),
+    (
+        "not finite",
+        "channels of the picture that are NaN or infinite; 0 is right",
+    ),
     (
         "total, map pass, march",
         "median device time of one picture and of its passes over the repeats, in ms; n/a without timestamps",
     ),
-    ("min, p95, CV, n", "of the total time: smallest, 95th percentile (ms), standard deviation over mean (%), repeats"),
-    ("wall", "submission to completion seen from the CPU, median, in ms"),
-    ("map", "bytes of the map's textures as allocated; 0 for methods without a map"),
-    ("payload", "values × bytes a value × texels: what the encoding needs before formats round it up"),
-    ("allocator", "growth that the graphics allocator reports, in bytes; n/a where it does not"),
-    ("samples", "density samples by view rays, by light rays and by the map pass, counted in an untimed run"),
-    ("fallback", "share of light look-ups outside the map that were marched instead, in %"),
-    ("Pareto frontier", "cells that no other cell beats in both error and cost"),
+    (
+        "min, p95, CV, n",
+        "of the total time: smallest, 95th percentile (ms), standard deviation over mean (%), repeats",
+    ),
+    (
+        "wall",
+        "submission to completion seen from the CPU, median, in ms",
+    ),
+    (
+        "map",
+        "bytes of the map's textures as allocated; 0 for methods without a map",
+    ),
+    (
+        "payload",
+        "values × bytes a value × texels: what the encoding needs before formats round it up",
+    ),
+    (
+        "allocator",
+        "growth that the graphics allocator reports, in bytes; n/a where it does not",
+    ),
+    (
+        "samples",
+        "density samples by view rays, by light rays and by the map pass, counted in an untimed run",
+    ),
+    (
+        "fallback",
+        "share of light look-ups outside the map that were marched instead, in %",
+    ),
+    (
+        "Pareto frontier",
+        "cells that no other cell beats in both error and cost",
+    ),
 ];
 
 /// What each number means, with its unit.

@@ -10,7 +10,10 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
 }
 
 fn toward(elevation_deg: f64, azimuth_deg: f64) -> DVec3 {
-    let ((se, ce), (sa, ca)) = (elevation_deg.to_radians().sin_cos(), azimuth_deg.to_radians().sin_cos());
+    let ((se, ce), (sa, ca)) = (
+        elevation_deg.to_radians().sin_cos(),
+        azimuth_deg.to_radians().sin_cos(),
+    );
     DVec3::new(ce * ca, se, ce * sa)
 }
 
@@ -23,7 +26,10 @@ fn zenith_luminance_follows_the_paper_and_is_a_few_kcd() {
     assert!((got / expected - 1.0).abs() < 2e-3, "{got} {expected}");
     for (turbidity, elevation) in [(2.0, 60.0), (2.5, 45.0), (3.0, 60.0), (3.0, 30.0)] {
         let got = luminance(model(turbidity, elevation).radiance(DVec3::Y));
-        assert!((2.0..12.0).contains(&got), "T {turbidity}, {elevation}°: {got} kcd/m²");
+        assert!(
+            (2.0..12.0).contains(&got),
+            "T {turbidity}, {elevation}°: {got} kcd/m²"
+        );
     }
 }
 
@@ -39,7 +45,13 @@ fn the_noon_horizon_is_brighter_than_the_zenith_and_the_zenith_is_blue() {
 fn the_sky_is_brighter_near_the_sun() {
     let sky = model(3.0, 30.0);
     let at = |azimuth| luminance(sky.radiance(toward(30.0, azimuth)));
-    assert!(at(5.0) > at(30.0) && at(30.0) > at(90.0), "{} {} {}", at(5.0), at(30.0), at(90.0));
+    assert!(
+        at(5.0) > at(30.0) && at(30.0) > at(90.0),
+        "{} {} {}",
+        at(5.0),
+        at(30.0),
+        at(90.0)
+    );
 }
 
 #[test]
@@ -47,7 +59,11 @@ fn directions_below_the_horizon_equal_the_lowest_elevation() {
     let sky = SkyModel::new(3.0, DVec3::Y, 0.3);
     let low = sky.radiance(toward(0.2, 40.0));
     assert!(low.iter().all(|v| v.is_finite() && *v > 0.0));
-    assert!(sky.radiance(toward(-60.0, 40.0)).iter().all(|v| v.is_finite() && *v > 0.0));
+    assert!(
+        sky.radiance(toward(-60.0, 40.0))
+            .iter()
+            .all(|v| v.is_finite() && *v > 0.0)
+    );
 }
 
 #[test]
@@ -56,7 +72,10 @@ fn a_low_sun_is_redder_and_weaker() {
     for elevation in [90.0, 60.0, 30.0, 12.0, 5.0, 1.0, 0.05] {
         let sun = model(2.5, elevation).sun_irradiance_klx();
         assert!(sun[0] > sun[1] && sun[1] > sun[2], "{elevation}°: {sun:?}");
-        assert!((0..3).all(|c| sun[c] < previous[c] && sun[c] > 0.0), "{elevation}°: {sun:?}");
+        assert!(
+            (0..3).all(|c| sun[c] < previous[c] && sun[c] > 0.0),
+            "{elevation}°: {sun:?}"
+        );
         assert!(previous[0].is_infinite() || sun[0] / sun[2] > previous[0] / previous[2]);
         previous = sun;
     }
@@ -69,12 +88,31 @@ fn everything_is_finite_and_sane_over_the_whole_range() {
     for turbidity in [1.7, 1.9, 2.0, 2.5, 4.0, 6.0, 8.0, 10.0] {
         for elevation in [0.05, 0.5, 2.0, 5.0, 12.0, 30.0, 60.0, 89.0, 90.0] {
             let sky = model(turbidity, elevation);
-            let sums = [sky.mean_radiance(), sky.sky_irradiance_klx(), sky.ground_radiance()];
-            let values = sums.iter().flatten().chain(sky.perez().zenith.iter()).copied().collect::<Vec<_>>();
-            assert!(values.iter().all(|v| v.is_finite() && *v > 0.0), "T {turbidity}, {elevation}°: {values:?}");
-            assert!(sky.sun_irradiance_klx().iter().all(|v| v.is_finite() && *v >= 0.0));
+            let sums = [
+                sky.mean_radiance(),
+                sky.sky_irradiance_klx(),
+                sky.ground_radiance(),
+            ];
+            let values = sums
+                .iter()
+                .flatten()
+                .chain(sky.perez().zenith.iter())
+                .copied()
+                .collect::<Vec<_>>();
+            assert!(
+                values.iter().all(|v| v.is_finite() && *v > 0.0),
+                "T {turbidity}, {elevation}°: {values:?}"
+            );
+            assert!(
+                sky.sun_irradiance_klx()
+                    .iter()
+                    .all(|v| v.is_finite() && *v >= 0.0)
+            );
             let mean = luminance(sky.mean_radiance());
-            assert!(mean < 40.0, "T {turbidity}, {elevation}°: mean {mean} kcd/m²");
+            assert!(
+                mean < 40.0,
+                "T {turbidity}, {elevation}°: mean {mean} kcd/m²"
+            );
         }
     }
 }
@@ -89,11 +127,18 @@ fn turbidity_below_two_uses_the_sky_of_two_and_its_own_sun() {
 #[test]
 fn ground_radiance_adds_sun_and_sky() {
     let sky = model(3.0, 30.0);
-    let (sun, diffuse, ground) = (sky.sun_irradiance_klx(), sky.sky_irradiance_klx(), sky.ground_radiance());
+    let (sun, diffuse, ground) = (
+        sky.sun_irradiance_klx(),
+        sky.sky_irradiance_klx(),
+        sky.ground_radiance(),
+    );
     for c in 0..3 {
         assert!((ground[c] - 0.3 / PI * (0.5 * sun[c] + diffuse[c])).abs() < 1e-9);
         // A sky brighter toward the horizon lights a plane with less than π × its mean.
-        assert!(diffuse[c] > 0.5 * PI * sky.mean_radiance()[c] && diffuse[c] < 1.5 * PI * sky.mean_radiance()[c]);
+        assert!(
+            diffuse[c] > 0.5 * PI * sky.mean_radiance()[c]
+                && diffuse[c] < 1.5 * PI * sky.mean_radiance()[c]
+        );
     }
 }
 
@@ -105,7 +150,9 @@ fn the_export_reproduces_the_radiance() {
     let value: Vec<f64> = (0..3)
         .map(|i| {
             let k = |row: usize| perez[row][i];
-            zenith[i] * (1.0 + k(0) * (k(1) / direction.y).exp()) * (1.0 + k(2) * (k(3) * gamma).exp() + k(4) * gamma.cos().powi(2))
+            zenith[i]
+                * (1.0 + k(0) * (k(1) / direction.y).exp())
+                * (1.0 + k(2) * (k(3) * gamma).exp() + k(4) * gamma.cos().powi(2))
         })
         .collect();
     // D65-based sRGB: Y of the colour is the luminance.
@@ -127,7 +174,13 @@ fn the_quadrature_has_converged() {
     let mut sum = 0.0;
     for row in 0..rows {
         let elevation = ((row as f64 + 0.5) / rows as f64).asin().to_degrees();
-        sum += (0..columns).map(|c| luminance(sky.radiance(toward(elevation, (c as f64 + 0.5) * 360.0 / columns as f64)))).sum::<f64>();
+        sum += (0..columns)
+            .map(|c| {
+                luminance(
+                    sky.radiance(toward(elevation, (c as f64 + 0.5) * 360.0 / columns as f64)),
+                )
+            })
+            .sum::<f64>();
     }
     let fine = sum / (rows * columns) as f64;
     assert!((luminance(sky.mean_radiance()) / fine - 1.0).abs() < 0.01);
