@@ -38,7 +38,8 @@ struct Field {
 @group(1) @binding(6) var detail: texture_3d<f32>;
 #endif
 
-// Trapezoid of density against height fraction: ramps up over x…y, down over z…w (Häggström 2018).
+// Trapezoid of density against height fraction: ramps up over x…y, down over z…w (Häggström 2018; cumulus thins out from
+// 0.45 instead of 0.78, which rounds its tops). density/procedural.rs bounds the same numbers.
 const STRATUS: vec4f = vec4f(0.02, 0.05, 0.09, 0.11);
 const STRATOCUMULUS: vec4f = vec4f(0.02, 0.20, 0.48, 0.625);
 const CUMULUS: vec4f = vec4f(0.0, 0.0625, 0.45, 1.0);

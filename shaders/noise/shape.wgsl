@@ -36,6 +36,6 @@ fn shape(@builtin(global_invocation_id) id: vec3u) {
     // Perlin fBm stays inside about ±0.6: stretch it over the unit range.
     let base = saturate(0.5 + 0.8 * perlin_fbm(p * 4.0, 4, 4, noise.seed));
     // Perlin–Worley stays above about 0.45: stretch it, or every cloud fills its whole column.
-    let billow = saturate((mix(fbm[0], 1.0, base) - 0.45) / 0.5);
+    let billow = saturate((mix(fbm[0], 1.0, base) - 0.45) / 0.55);
     textureStore(texels, id, vec4f(billow, fbm[1], fbm[2], fbm[3]));
 }
