@@ -4,6 +4,7 @@
 //
 // (σ constant over a step; Hillaire 2016 eq. 14.) INTEGRATION_THESIS replaces (1 − e^(−σΔ)) by e^(−σΔ)·σΔ: transmittance
 // first, as in thesis M, Algorithm 1. V = 0 where the ray toward the sun meets the ground.
+// A dispatch marches steps tile.steps.x … tile.steps.y − 1 of its pixels; between dispatches the outputs hold the sums.
 // Cost: `steps` density samples and, where there is medium, one light_transmittance.
 #import frame::{frame, tile, camera_ray}
 #import layer::{layer_length, point_at}
@@ -53,13 +54,24 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     let noise = gradient_noise(vec2f(pixel));
     let offset = select(0.5, noise, frame.jitter == 1u);
 
+    if tile.steps.x >= steps {
+        return; // an earlier dispatch finished this ray
+    }
+
     var transmittance = 1.0;
     var lit = 0.0;       // Σ weight·V
     var weights = 0.0;   // Σ weight
     var ambient_sum = vec3f(0.0);
+    if tile.steps.x > 0u {
+        ambient_sum = radiance_out[index].xyz;
+        transmittance = radiance_out[index].w;
+        lit = sun_out[index].x;
+        weights = sun_out[index].y;
+    }
     var light_samples = 0u;
-    var k = select(0u, steps, length_m <= 0.0);
-    while k < steps && transmittance >= OPAQUE_TRANSMITTANCE {
+    let end = min(steps, tile.steps.y);
+    var k = select(tile.steps.x, end, length_m <= 0.0);
+    while k < end && transmittance >= OPAQUE_TRANSMITTANCE {
         let s = (f32(k) + offset) * delta;
         let p = point_at(ray, s);
         let empty = empty_steps(ray, s, delta, p);
@@ -96,6 +108,16 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
         transmittance *= 1.0 - absorbed;
     }
 
+#ifdef COUNT
+    let counted = vec4u(medium::density_samples - light_samples, light_samples, medium::look_ups, medium::fallbacks);
+    counts[index] = select(counts[index], vec4u(0u), tile.steps.x == 0u) + counted;
+#endif
+    if end < steps {
+        radiance_out[index] = vec4f(ambient_sum, transmittance);
+        sun_out[index] = vec4f(lit, weights, 0.0, 0.0);
+        return;
+    }
+
     let cosine = dot(direction, frame.sun_direction);
     let sun = frame.sun_irradiance * (frame.albedo * phase_function(frame.phase, cosine) * lit);
     var radiance = sun + frame.albedo * ambient_sum;
@@ -104,7 +126,4 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
 #endif
     radiance_out[index] = vec4f(radiance, 1.0 - transmittance);
     sun_out[index] = vec4f(sun, select(0.0, lit / weights, weights > 0.0));
-#ifdef COUNT
-    counts[index] = vec4u(medium::density_samples - light_samples, light_samples, medium::look_ups, medium::fallbacks);
-#endif
 }

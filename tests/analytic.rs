@@ -318,7 +318,6 @@ fn rendered_light_follows_the_phase_function() {
 /// Opacity does not depend on how long the light rays are. 400 view × 400 light steps are 160 000 turns of a loop in one
 /// invocation: Mesa's llvmpipe ends the loops of an invocation after 65 535 turns in all (LP_MAX_TGSI_LOOP_ITERATIONS).
 #[test]
-#[ignore = "known defect on llvmpipe: an invocation is cut short after 65 535 turns of its loops; the march must be split"]
 fn long_marches_are_not_cut_short() {
     let mut scene = box_scene([0.0; 3], [800.0; 3], 0.001);
     scene.march.steps = 400;

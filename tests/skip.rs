@@ -41,7 +41,12 @@ fn check_skipping(scene: Scene) {
                 scene.name
             );
             if renderer.gpu.info.device_type == wgpu::DeviceType::Cpu {
-                assert!(on.0 == off.0, "{}: {id}: relative RMSE {:.1e}", scene.name, relative_rmse(reds(&on.0, &off.0)));
+                assert!(
+                    on.0 == off.0,
+                    "{}: {id}: relative RMSE {:.1e}",
+                    scene.name,
+                    relative_rmse(reds(&on.0, &off.0))
+                );
             } else {
                 // Drivers may fuse the two ways through a loop differently.
                 let error = relative_rmse(reds(&on.0, &off.0));
@@ -68,7 +73,9 @@ fn check_skipping(scene: Scene) {
 fn skipping_is_exact_in_procedural_clouds() {
     let mut scene = cumulus();
     // Erosion shrinks clouds away from their bounds: without it, and with steps below a cell (32 m), a step too far shows.
-    let Density::Procedural(field) = &mut scene.density else { unreachable!() };
+    let Density::Procedural(field) = &mut scene.density else {
+        unreachable!()
+    };
     field.detail = None;
     scene.march.step_m = Some(24.0);
     check_skipping(scene);

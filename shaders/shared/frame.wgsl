@@ -20,9 +20,11 @@ struct Frame {
     albedo: f32,
 }
 
+// The part of the picture, and of every view ray in it, that one dispatch marches.
 struct Tile {
     origin: vec2u,
     size: vec2u,
+    steps: vec2u,             // first step, one past the last
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -73,6 +73,12 @@ pub trait LightOcclusion: Sync {
     fn plan(&self, _params: &Params) -> Result<Plan> {
         Ok(Plan::default())
     }
+
+    /// Most loop turns that one `light_transmittance` takes, when no ray is longer than `longest_path_m`. The default
+    /// covers look-ups with their fallback march.
+    fn light_turns(&self, _params: &Params, _longest_path_m: f64) -> Result<f64> {
+        Ok(64.0)
+    }
 }
 
 /// Parameters every map shares.

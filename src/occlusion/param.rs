@@ -165,6 +165,15 @@ impl Params {
         }
     }
 
+    /// A number the method declared, whole or not; an error (a defect of the method's file) if it did not.
+    pub fn number(&self, name: &str) -> Result<f64> {
+        match self.get(name) {
+            Some(ParamValue::Int(v)) => Ok(v as f64),
+            Some(ParamValue::Float(v)) => Ok(v),
+            _ => Err(undeclared(name)),
+        }
+    }
+
     /// A word the method declared; an error (a defect of the method's file) if it did not.
     pub fn choice(&self, name: &str) -> Result<&'static str> {
         match self.get(name) {

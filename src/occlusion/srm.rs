@@ -1,7 +1,8 @@
 //! Secondary march: a few samples from every view sample toward the sun.
 
-use super::param::{ParamKind, ParamSpec};
+use super::param::{ParamKind, ParamSpec, Params};
 use super::{LightOcclusion, MethodInfo};
+use crate::error::Result;
 
 /// See the module.
 pub struct Srm;
@@ -58,5 +59,9 @@ impl LightOcclusion for Srm {
             params: &[PARAMS],
             monotone: false,
         }
+    }
+
+    fn light_turns(&self, params: &Params, _longest_path_m: f64) -> Result<f64> {
+        params.number("steps")
     }
 }

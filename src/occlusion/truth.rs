@@ -1,7 +1,8 @@
 //! The ground truth: a secondary march of constant small steps.
 
-use super::param::{ParamKind, ParamSpec};
+use super::param::{ParamKind, ParamSpec, Params};
 use super::{LightOcclusion, MethodInfo};
+use crate::error::Result;
 
 /// See the module.
 pub struct Truth;
@@ -26,5 +27,9 @@ impl LightOcclusion for Truth {
             }]],
             monotone: true,
         }
+    }
+
+    fn light_turns(&self, params: &Params, longest_path_m: f64) -> Result<f64> {
+        Ok((longest_path_m / params.number("step_m")?).ceil() + 1.0)
     }
 }

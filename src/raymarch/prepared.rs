@@ -64,6 +64,8 @@ pub struct Prepared {
     timer: Option<Timer>,
     image: [u32; 2],
     tile_rows: Cell<u32>,
+    view_steps: u32,
+    steps_a_dispatch: u32,
     march_counts: Option<wgpu::Buffer>,
 }
 
@@ -125,7 +127,7 @@ impl Prepared {
         offer_counts(&mut inputs, march_counts.as_ref());
         let tile = gpu.buffer(
             "tile",
-            &[0; 16],
+            &[0; 24],
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
         );
         inputs.resource("tile", Resource::Buffer(tile.clone()));
@@ -139,6 +141,8 @@ impl Prepared {
             timer: Timer::new(gpu),
             image,
             tile_rows: Cell::new(FIRST_TILE_ROWS),
+            view_steps: view.scene.march.most_steps(),
+            steps_a_dispatch: steps_a_dispatch(gpu, view, setup)?,
             march_counts,
         })
     }
@@ -159,12 +163,18 @@ impl Prepared {
         let mut row = 0;
         while row < height {
             let rows = self.tile_rows.get().min(height - row);
-            gpu.queue
-                .write_buffer(&self.tile, 0, bytemuck::bytes_of(&[0, row, width, rows]));
             let tile_start = Instant::now();
-            let ms = self.pass(gpu, &self.march, &self.groups, [width, rows, 1])?;
+            let mut step = 0;
+            while step < self.view_steps {
+                let end = step.saturating_add(self.steps_a_dispatch);
+                let tile = [0, row, width, rows, step, end];
+                gpu.queue
+                    .write_buffer(&self.tile, 0, bytemuck::bytes_of(&tile));
+                let ms = self.pass(gpu, &self.march, &self.groups, [width, rows, 1])?;
+                times.march = ms.map(|ms| ms + times.march.unwrap_or(0.0));
+                step = end;
+            }
             self.adapt(rows, tile_start.elapsed().as_secs_f64() * 1e3);
-            times.march = ms.map(|ms| ms + times.march.unwrap_or(0.0));
             row += rows;
             if progress(f64::from(row) / f64::from(height)) == ControlFlow::Break(()) {
                 return Err(Error::Stopped);
@@ -217,6 +227,28 @@ impl Prepared {
             fallbacks,
         })
     }
+}
+
+/// llvmpipe ends the loops of an invocation after 65 535 turns in all of them together (LP_MAX_TGSI_LOOP_ITERATIONS,
+/// without a word): there a view ray is marched in several dispatches. Elsewhere in one.
+fn steps_a_dispatch(gpu: &Gpu, view: &View, setup: &MethodSetup) -> Result<u32> {
+    const TURNS: f64 = 60_000.0;
+    if gpu.info.driver != "llvmpipe" {
+        return Ok(u32::MAX);
+    }
+    let longest_path_m = view.scene.container.longest_path_m();
+    let light = setup.method.light_turns(&setup.params, longest_path_m)?;
+    let steps = (TURNS / (light + 2.0)).floor();
+    if steps < 1.0 {
+        let problem = format!(
+            "one light ray takes {light:.0} steps, this software adapter ends loops after 65535 turns"
+        );
+        return Err(Error::gpu(
+            problem,
+            "Choose longer light steps, or use a GPU.",
+        ));
+    }
+    Ok(steps as u32)
 }
 
 impl MapPass {

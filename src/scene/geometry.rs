@@ -52,6 +52,21 @@ impl Container {
         }
     }
 
+    /// No ray spends more than this inside the container, metres.
+    pub fn longest_path_m(&self) -> f64 {
+        match *self {
+            Self::Shell {
+                planet_radius_m: r,
+                base_m,
+                top_m,
+            } => column_length(r, base_m, top_m, r + base_m),
+            Self::Box { min_m, max_m } => (0..3)
+                .map(|i| (max_m[i] - min_m[i]).powi(2))
+                .sum::<f64>()
+                .sqrt(),
+        }
+    }
+
     /// Longest column along the sun over a rectangle of the plane spanned by `u` and `v`: `[low, high]` of (p·u, p·v).
     pub fn longest_column_m(
         &self,

@@ -45,6 +45,15 @@ impl March {
     /// Most steps a view ray may take.
     pub const MAX_STEPS: u32 = 4096;
 
+    /// No view ray takes more steps than this.
+    pub fn most_steps(&self) -> u32 {
+        if self.step_m.is_some() {
+            Self::MAX_STEPS
+        } else {
+            self.steps
+        }
+    }
+
     pub(super) fn validate(&self) -> Result<(), Problem> {
         check("/march/steps", f64::from(self.steps), "1…4096", |v| {
             v >= 1.0 && v <= f64::from(Self::MAX_STEPS)
