@@ -234,6 +234,9 @@ fn case_name(cell: &Cell, scene: &str, firsts: &[&Cell]) -> String {
         name += &format!(" · {}", cell.backend);
     }
     for key in varying_keys(&firsts.iter().map(|c| &c.scene_set).collect::<Vec<_>>()) {
+        if key == "/sun/elevation_deg" {
+            continue; // the sun has words of its own
+        }
         name += &cell
             .scene_set
             .get(key)
