@@ -21,8 +21,12 @@ fn grid_distance(field: vec3f) -> f32 {
     let base = floor(cell);
     var index = vec3i(base);
     if occupancy.wrap == 1u {
-        index.x = wrapped(index.x, occupancy.size.x);
-        index.z = wrapped(index.z, occupancy.size.z);
+        // In floats: vector units have no integer division. At a seam rounding may name the neighbour of the cell whose
+        // face the point lies on, within the slack of the bounds (density/bounds.rs).
+        let period = vec2f(occupancy.size.xz);
+        let across = base.xz - period * floor(base.xz / period);
+        let inner = clamp(vec2i(across), vec2i(0), occupancy.size.xz - 1);
+        index = vec3i(inner.x, index.y, inner.y);
     }
     if any(index < vec3i(0)) || any(index >= occupancy.size) {
         return -1.0;
@@ -37,9 +41,4 @@ fn grid_distance(field: vec3f) -> f32 {
     let margin = min(inside.x, min(inside.y, inside.z));
     // 1e-3 of a cell pays for the rounding of `cell`.
     return max(f32(rings - 1u) + margin - 1e-3, 0.0) * occupancy.cell_m;
-}
-
-fn wrapped(i: i32, n: i32) -> i32 {
-    let r = i % n;
-    return select(r, r + n, r < 0);
 }
