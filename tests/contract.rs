@@ -341,7 +341,7 @@ fn monotone_methods_never_brighten_with_depth() {
             }
         }
     }
-    assert_eq!(tested, 3 * 6);
+    assert!(tested >= 3 * 6, "only {tested} columns were tested");
 }
 
 /// Payload: values × bytes × texels, 1 : 3 : 7 (thesis M). Allocation: no texel has three channels.

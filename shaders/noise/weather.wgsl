@@ -1,6 +1,6 @@
 // Weather map, RGB: coverage, precipitation, cloud type (0 stratus, 0.5 stratocumulus, 1 cumulus); tileable.
 //
-//   coverage       low-frequency Perlin × Worley (clumps and gaps), stretched over [0, 1]
+//   coverage       low-frequency Perlin × Worley (clumps and gaps), stretched over [0, 0.9]
 //   precipitation  where coverage is high and a second Perlin is positive
 //   type           low-frequency Perlin, raised where coverage is high
 //

@@ -4,13 +4,14 @@
 //! ratios can be taken inside a round. Nothing but passes runs between the first timed round and the last: pictures are
 //! read in the first discarded round, counted, compared and written after the last.
 
-use super::record::{Cell, ErrorNumbers, ImageSize, Measured, Reference, Times};
+use super::cell::{bare_cell, cell_id, record_failure, times, view_id};
+use super::record::{Cell, ErrorNumbers, ImageSize, Measured, Reference};
 use super::store::Store;
 use super::{Event, Observer, tell, view_name};
 use crate::config::{CellSpec, Experiment, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::frame::{Exposure, Frame, false_colour, tone_map, write_frame, write_png};
-use crate::metrics::{compare, delta_luminance, mean_sun, summarise};
+use crate::metrics::{compare, delta_luminance, mean_sun};
 use crate::occlusion::{MAP_PARAMS, MethodSetup, find};
 use crate::raymarch::reference::{Truth, truth};
 use crate::raymarch::{PassTimes, Prepared, Renderer, View};
@@ -23,20 +24,6 @@ use std::path::Path;
 const BLOCK_BYTES: u64 = 2 << 30;
 /// ΔL / mean L that gets the end colours of a difference picture: one scale everywhere.
 const DIFF_SCALE: f32 = 1.0;
-
-/// Names a view: hash of scene and image.
-pub(super) fn view_id(view: &MatrixView) -> String {
-    digest(&json!([view.scene, view.image]))
-}
-
-/// Names a cell: hash of scene, image, method and parameters.
-pub(super) fn cell_id(view: &MatrixView, spec: &CellSpec) -> String {
-    digest(&json!([view.scene, view.image, spec.method, spec.params]))
-}
-
-fn digest(value: &Value) -> String {
-    blake3::hash(value.to_string().as_bytes()).to_hex()[..16].to_owned()
-}
 
 /// A cell being measured.
 struct Run<'a> {
@@ -362,53 +349,4 @@ fn stage(observe: Observer, view: &str, what: &str, share: f64) -> Result<()> {
             share,
         },
     )
-}
-
-fn times(runs: &[PassTimes]) -> Times {
-    let stats = |value: fn(&PassTimes) -> Option<f64>| {
-        summarise(&runs.iter().filter_map(value).collect::<Vec<_>>())
-    };
-    Times {
-        generate: stats(|t| t.generate),
-        march: stats(|t| t.march),
-        total: stats(PassTimes::total),
-        wall: stats(|t| Some(t.wall)),
-    }
-}
-
-fn bare_cell(view: &MatrixView, renderer: &Renderer, spec: &CellSpec) -> Cell {
-    let environment = renderer.gpu.environment();
-    Cell {
-        id: cell_id(view, spec),
-        index: spec.index,
-        scene: view.scene.name.clone(),
-        scene_set: view.scene_set.clone(),
-        sun_elevation_deg: view.scene.sun.elevation_deg,
-        method: spec.method.clone(),
-        params: spec
-            .params
-            .iter()
-            .map(|(k, v)| (k.to_owned(), json!(v)))
-            .collect(),
-        backend: format!("{} {}", environment.backend, environment.device_type),
-        image: view.image,
-        failed: None,
-        result: None,
-    }
-}
-
-fn record_failure(
-    view: &MatrixView,
-    renderer: &Renderer,
-    store: &Store,
-    spec: &CellSpec,
-    error: &Error,
-    observe: Observer,
-) -> Result<()> {
-    let cell = Cell {
-        failed: Some(error.to_string()),
-        ..bare_cell(view, renderer, spec)
-    };
-    store.put_cell(&cell)?;
-    tell(observe, Event::Cell(Box::new(cell)))
 }

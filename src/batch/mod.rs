@@ -2,6 +2,7 @@
 //! events and decide nothing.
 
 mod block;
+mod cell;
 pub mod record;
 mod store;
 
@@ -60,7 +61,7 @@ pub fn run(
     let done = matrix
         .views
         .iter()
-        .flat_map(|v| v.cells.iter().map(move |c| block::cell_id(v, c)))
+        .flat_map(|v| v.cells.iter().map(move |c| cell::cell_id(v, c)))
         .filter(|id| store.has(id))
         .count();
     tell(
@@ -99,9 +100,9 @@ fn assemble(matrix: &Matrix, store: &Store) -> Result<Report> {
     let mut cells = Vec::new();
     let mut references = Vec::new();
     for view in &matrix.views {
-        references.extend(store.reference(&block::view_id(view))?);
+        references.extend(store.reference(&cell::view_id(view))?);
         for spec in &view.cells {
-            let id = block::cell_id(view, spec);
+            let id = cell::cell_id(view, spec);
             let mut cell = store.cell(&id)?;
             cell.index = spec.index;
             cells.push(cell);

@@ -2,6 +2,7 @@
 
 mod inputs;
 mod light_map;
+mod map_pass;
 mod prepared;
 pub mod reference;
 mod view;

@@ -1,0 +1,76 @@
+//! Names and records of cells.
+
+use super::record::{Cell, Times};
+use super::store::Store;
+use super::{Event, Observer, tell};
+use crate::config::{CellSpec, View as MatrixView};
+use crate::error::{Error, Result};
+use crate::metrics::summarise;
+use crate::raymarch::{PassTimes, Renderer};
+use serde_json::{Value, json};
+
+/// Names a view: hash of scene and image.
+pub(super) fn view_id(view: &MatrixView) -> String {
+    digest(&json!([view.scene, view.image]))
+}
+
+/// Names a cell: hash of scene, image, method and parameters.
+pub(super) fn cell_id(view: &MatrixView, spec: &CellSpec) -> String {
+    digest(&json!([view.scene, view.image, spec.method, spec.params]))
+}
+
+fn digest(value: &Value) -> String {
+    blake3::hash(value.to_string().as_bytes()).to_hex()[..16].to_owned()
+}
+
+/// Statistics of each pass over the timed rounds.
+pub(super) fn times(runs: &[PassTimes]) -> Times {
+    let stats = |value: fn(&PassTimes) -> Option<f64>| {
+        summarise(&runs.iter().filter_map(value).collect::<Vec<_>>())
+    };
+    Times {
+        generate: stats(|t| t.generate),
+        march: stats(|t| t.march),
+        total: stats(PassTimes::total),
+        wall: stats(|t| Some(t.wall)),
+    }
+}
+
+/// A record without numbers.
+pub(super) fn bare_cell(view: &MatrixView, renderer: &Renderer, spec: &CellSpec) -> Cell {
+    let environment = renderer.gpu.environment();
+    Cell {
+        id: cell_id(view, spec),
+        index: spec.index,
+        scene: view.scene.name.clone(),
+        scene_set: view.scene_set.clone(),
+        sun_elevation_deg: view.scene.sun.elevation_deg,
+        method: spec.method.clone(),
+        params: spec
+            .params
+            .iter()
+            .map(|(k, v)| (k.to_owned(), json!(v)))
+            .collect(),
+        backend: format!("{} {}", environment.backend, environment.device_type),
+        image: view.image,
+        failed: None,
+        result: None,
+    }
+}
+
+/// Records why a cell has no numbers, and goes on.
+pub(super) fn record_failure(
+    view: &MatrixView,
+    renderer: &Renderer,
+    store: &Store,
+    spec: &CellSpec,
+    error: &Error,
+    observe: Observer,
+) -> Result<()> {
+    let cell = Cell {
+        failed: Some(error.to_string()),
+        ..bare_cell(view, renderer, spec)
+    };
+    store.put_cell(&cell)?;
+    tell(observe, Event::Cell(Box::new(cell)))
+}
