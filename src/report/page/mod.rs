@@ -81,7 +81,7 @@ fn headline(view: &View<'_>, name: &str) -> Markup {
             @if environment.device_type.eq_ignore_ascii_case("cpu") {
                 p.note {
                     "The times come from a software adapter. On a graphics processor the methods may rank differently; "
-                    "errors and bytes stay the same."
+                    "errors should differ by rounding alone, which has not been measured here."
                 }
             }
             nav {
