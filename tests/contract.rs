@@ -6,9 +6,9 @@ use common::{
     box_scene, count_view, cube_density, cumulus, hashed, on_gpu, pixel_ray, relative_rmse, render,
     render_view, setup, size, write_cube,
 };
-use occlab::batch::record::ImageSize;
 use occlab::frame::{Frame, is_nonfinite};
 use occlab::occlusion::{MethodSetup, REGISTRY};
+use occlab::scene::ImageSize;
 use occlab::scene::{Ambient, Density, Scene, Sky};
 use std::collections::HashSet;
 

@@ -5,16 +5,17 @@
 //! read in the first discarded round, counted, compared and written after the last.
 
 use super::cell::{bare_cell, cell_id, record_failure, times, view_id};
-use super::record::{Cell, ErrorNumbers, ImageSize, Measured, Reference};
+use super::record::{Cell, Measured, Reference};
 use super::store::Store;
 use super::{Event, Observer, tell, view_name};
 use crate::config::{CellSpec, Experiment, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::frame::{Exposure, Frame, false_colour, tone_map, write_frame, write_png};
-use crate::metrics::{compare, delta_luminance, mean_sun};
+use crate::metrics::{ErrorNumbers, compare, delta_luminance, mean_sun};
 use crate::occlusion::{MAP_PARAMS, MethodSetup, find};
 use crate::raymarch::reference::{Truth, truth};
 use crate::raymarch::{PassTimes, Prepared, Renderer, View};
+use crate::scene::ImageSize;
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::ops::ControlFlow;

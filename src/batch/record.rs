@@ -1,6 +1,10 @@
 //! What a batch leaves behind: one [`Cell`] for each point of the matrix, one [`Report`] for each folder.
 
 use crate::error::{Error, Result};
+use crate::gpu::Environment;
+use crate::metrics::{ErrorNumbers, Stats};
+use crate::raymarch::{Memory, Samples};
+use crate::scene::ImageSize;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -27,24 +31,6 @@ pub struct Report {
     pub claims: Vec<Value>,
     /// Wall-clock account of the whole run.
     pub wall: WallClock,
-}
-
-/// The machine and the build.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Environment {
-    /// Adapter name as the driver gives it.
-    pub adapter: String,
-    /// Driver and its version.
-    pub driver: String,
-    /// `Vulkan`, `Metal`, `Dx12`.
-    pub backend: String,
-    /// `DiscreteGpu`, `IntegratedGpu`, `Cpu`…
-    pub device_type: String,
-    /// Version of this program.
-    pub commit: String,
-    /// Operating system, architecture and logical cores.
-    pub host: String,
 }
 
 /// Where the wall-clock time of a batch went, in seconds, summed over resumed runs.
@@ -81,16 +67,6 @@ pub struct Reference {
     pub cached: bool,
     /// Files relative to the report folder: `exr`, `png`.
     pub files: Map<String, Value>,
-}
-
-/// Image size in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ImageSize {
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
 }
 
 /// One cell of the matrix: a scene rendered by a method at one setting.
@@ -147,18 +123,6 @@ pub struct Measured {
     pub files: Map<String, Value>,
 }
 
-/// Memory of a method, bytes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Memory {
-    /// Values × bytes a value × texels.
-    pub payload_bytes: u64,
-    /// The textures as allocated.
-    pub map_bytes: u64,
-    /// Growth that wgpu's allocator reports; `null` where the backend does not report.
-    pub allocator_bytes: Option<u64>,
-}
-
 /// Statistics of each pass over the repeats; `null` where the adapter has no timestamps ("n/a", never 0).
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -171,68 +135,6 @@ pub struct Times {
     pub total: Option<Stats>,
     /// Submission to completion, seen from the CPU.
     pub wall: Option<Stats>,
-}
-
-/// Five numbers of a sample of times.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Stats {
-    /// Median.
-    pub median: f64,
-    /// Smallest.
-    pub min: f64,
-    /// 95th percentile (nearest rank).
-    pub p95: f64,
-    /// Standard deviation / mean.
-    pub cv: f64,
-    /// Number of samples.
-    pub n: usize,
-}
-
-/// Density samples taken for one picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Samples {
-    /// By view rays.
-    pub view: u64,
-    /// By light rays (secondary marches, fallbacks).
-    pub light: u64,
-    /// By the map pass.
-    pub map: u64,
-}
-
-/// Error numbers of a picture against its truth; see `metrics` for the definitions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ErrorNumbers {
-    /// √Σ(L̂−L)² / √ΣL² over RGB and cloud pixels of the sun-lit radiance.
-    pub rel_rmse: f64,
-    /// ΣΔL / ΣL.
-    pub bias: f64,
-    /// Σmax(ΔL, 0) / ΣL: light where there should be shadow.
-    pub leak: f64,
-    /// Σmin(ΔL, 0) / ΣL: shadow where there should be light (≤ 0).
-    pub darken: f64,
-    /// 99th percentile of |ΔL| / mean L.
-    pub p99_abs: f64,
-    /// Largest |ΔL| / mean L.
-    pub max_abs: f64,
-    /// RMSE of the σT-weighted light transmittance over cloud pixels.
-    pub transmittance_rmse: f64,
-    /// `rel_rmse` of the uncompressed column at the same steps and texels; `null` for methods without a map.
-    pub floor_rel_rmse: Option<f64>,
-    /// RMS frame-to-frame change of ΔL / mean L over a camera pan; `null` when the experiment has none.
-    pub flicker: Option<f64>,
-    /// Mean FLIP (LDR, 67 pixels a degree).
-    pub flip_mean: f64,
-    /// 99th percentile of FLIP.
-    pub flip_p99: f64,
-    /// Peak signal-to-noise ratio, dB, tone-mapped, peak 1; `null` when the images are equal.
-    pub psnr_db: Option<f64>,
-    /// Structural similarity (Wang et al. 2004) of the tone-mapped luma.
-    pub ssim: f64,
-    /// Channels of the picture that are NaN or infinite.
-    pub nonfinite: u64,
 }
 
 impl Report {

@@ -1,8 +1,9 @@
 //! A report folder while it is being filled: one file a cell, each written whole; a killed run leaves nothing half-done.
 
-use super::record::{Cell, Environment, Reference, WallClock};
+use super::record::{Cell, Reference, WallClock};
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
+use crate::gpu::Environment;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value;
 use std::io::Write;

@@ -3,12 +3,12 @@
 use super::progress::bar;
 use super::{Device, print_path};
 use occlab::Error;
-use occlab::batch::record::ImageSize;
 use occlab::config::load_scene;
 use occlab::frame::{Exposure, tone_map, write_frame, write_png};
 use occlab::gpu::Gpu;
 use occlab::occlusion::MethodSetup;
 use occlab::raymarch::Renderer;
+use occlab::scene::ImageSize;
 use occlab::scene::{Density, Scene};
 use std::ops::ControlFlow;
 use std::path::PathBuf;

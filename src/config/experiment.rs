@@ -12,8 +12,8 @@
 
 use super::document::Document;
 use super::locate;
-use crate::batch::record::ImageSize;
 use crate::error::Result;
+use crate::scene::ImageSize;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::path::Path;

@@ -2,8 +2,8 @@
 
 use super::experiment::{default_discard, default_runs};
 use super::methods::MethodCatalogue;
-use crate::batch::record::ImageSize;
 use crate::occlusion::param::{ParamKind, ParamSpec};
+use crate::scene::ImageSize;
 use crate::scene::{March, Scene};
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};

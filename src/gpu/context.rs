@@ -1,6 +1,6 @@
 //! Adapter, device and queue, and the errors they report outside of calls.
 
-use crate::batch::record::Environment;
+use super::environment::Environment;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex};
 

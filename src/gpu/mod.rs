@@ -1,6 +1,7 @@
 //! Everything that knows wgpu and is not a pass: the device, shader composition, kernels bound by name, timing, read-back.
 
 mod context;
+mod environment;
 mod kernel;
 mod readback;
 mod shader;
@@ -8,6 +9,7 @@ mod timing;
 mod uniform;
 
 pub use context::{AdapterSummary, Gpu, list_adapters};
+pub use environment::Environment;
 pub use kernel::{Inputs, Kernel, Resource};
 pub use readback::{read_buffer, read_texture};
 pub use shader::{Defs, Program, compose, embedded, sources_hash};

@@ -1,7 +1,7 @@
 //! Errors of the sun-lit radiance, in linear light, over cloud pixels.
 
 use super::CLOUD_OPACITY;
-use crate::batch::record::ErrorNumbers;
+use super::ErrorNumbers;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, is_nonfinite, nearest_rank};
 

@@ -10,16 +10,17 @@
 
 mod difference;
 mod linear;
+mod numbers;
 mod perceptual;
 mod ssim;
 mod stats;
 
 pub use difference::{delta_luminance, delta_rgb};
 pub use linear::mean_sun;
+pub use numbers::ErrorNumbers;
 pub use perceptual::PIXELS_PER_DEGREE;
-pub use stats::{flicker, summarise};
+pub use stats::{Stats, flicker, summarise};
 
-use crate::batch::record::ErrorNumbers;
 use crate::error::{Error, Result};
 use crate::frame::{Exposure, Frame, is_nonfinite, tone_map};
 

@@ -1,6 +1,23 @@
 //! Numbers of a sample of times, and flicker over a sequence of frames.
 
-use crate::batch::record::Stats;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Five numbers of a sample of times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Stats {
+    /// Median.
+    pub median: f64,
+    /// Smallest.
+    pub min: f64,
+    /// 95th percentile (nearest rank).
+    pub p95: f64,
+    /// Standard deviation / mean.
+    pub cv: f64,
+    /// Number of samples.
+    pub n: usize,
+}
 use crate::error::{Error, Result};
 use crate::frame::nearest_rank;
 

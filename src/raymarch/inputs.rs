@@ -1,7 +1,7 @@
 //! Uniforms of group 0, from the scene.
 
-use crate::batch::record::ImageSize;
 use crate::gpu::{Inputs, UniformValue};
+use crate::scene::ImageSize;
 use crate::scene::{Ambient, Camera, Container, Lobe, Scene, Sky, SkyModel};
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! Where a light map lies and what its texels are made of.
 
-use crate::batch::record::ImageSize;
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, UniformValue};
+use crate::scene::ImageSize;
 use crate::scene::{Container, Scene};
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! The pass that fills a light map, and the texture it fills.
 
+use super::cost::Memory;
 use super::light_map::{MapRectangle, TexelFormat};
 use super::{Renderer, View};
-use crate::batch::record::Memory;
 use crate::error::{Error, Result};
 use crate::gpu::{Defs, Gpu, Inputs, Kernel, Program, Resource};
 use crate::occlusion::MethodSetup;

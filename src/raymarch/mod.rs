@@ -1,5 +1,6 @@
 //! The renderer: a scene and a method become a picture, its times, its memory and its counts. Knows no window.
 
+mod cost;
 mod inputs;
 mod light_map;
 mod map_pass;
@@ -7,15 +8,16 @@ mod prepared;
 pub mod reference;
 mod view;
 
-pub use prepared::{Counts, PassTimes, Prepared};
+pub use cost::{Counts, Memory, PassTimes, Samples};
+pub use prepared::Prepared;
 pub use view::View;
 
-use crate::batch::record::ImageSize;
 use crate::density::DensityField;
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::gpu::{Defs, Gpu, Kernel, Program};
 use crate::occlusion::MethodSetup;
+use crate::scene::ImageSize;
 use crate::scene::Scene;
 use std::cell::RefCell;
 use std::collections::HashMap;

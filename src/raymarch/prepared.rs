@@ -1,8 +1,8 @@
 //! A method made ready in a view: kernels, map texture, bind groups; then run as often as wanted.
 
+use super::cost::{Counts, Memory, PassTimes, Samples};
 use super::map_pass::{MapPass, MapTexture, counts_buffer, offer_counts};
 use super::{Progress, Renderer, View};
-use crate::batch::record::{Memory, Samples};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, Inputs, Kernel, Program, Resource, Timer, UniformValue, read_buffer};
 use crate::occlusion::MethodSetup;
@@ -11,35 +11,6 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 use std::time::Instant;
-
-/// Times of one run, ms; GPU times are `None` where the adapter has no timestamps.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PassTimes {
-    /// The map pass; `None` without a map.
-    pub generate: Option<f64>,
-    /// The view march, all tiles.
-    pub march: Option<f64>,
-    /// Submission to completion, seen from the CPU.
-    pub wall: f64,
-}
-
-impl PassTimes {
-    /// Sum of the passes.
-    pub fn total(&self) -> Option<f64> {
-        self.march.map(|march| march + self.generate.unwrap_or(0.0))
-    }
-}
-
-/// What one picture took.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Counts {
-    /// Density samples.
-    pub samples: Samples,
-    /// Light look-ups in a map.
-    pub look_ups: u64,
-    /// Of these, outside the map and therefore marched.
-    pub fallbacks: u64,
-}
 
 /// A dispatch on real GPUs must end well before the driver's watchdog (2 s): tiles aim at this, ms.
 const TILE_TARGET_MS: f64 = 400.0;

@@ -1,7 +1,7 @@
 //! The truth of a view: rendered once, kept on disk under a hash of everything that determines it, never stale.
 
+use super::cost::Samples;
 use super::{Progress, Renderer, View};
-use crate::batch::record::Samples;
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
 use crate::frame::{Frame, read_frame, write_frame};

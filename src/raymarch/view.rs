@@ -1,11 +1,11 @@
 //! A scene on the device, seen at one image size: what every method and the truth share.
 
 use super::inputs::scene_inputs;
-use crate::batch::record::ImageSize;
 use crate::density::DensityField;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gpu::{Defs, Gpu, Inputs, Resource, read_buffer};
+use crate::scene::ImageSize;
 use crate::scene::{Container, Integration, Scene};
 use std::rc::Rc;
 

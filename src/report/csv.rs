@@ -1,7 +1,9 @@
 //! `cells.csv`: one row a cell, every scalar of the record under its dotted name.
 
-use crate::batch::record::{ErrorNumbers, Measured, Memory, Report, Samples, Stats, Times};
+use crate::batch::record::{Measured, Report, Times};
 use crate::error::{Error, Result};
+use crate::metrics::{ErrorNumbers, Stats};
+use crate::raymarch::{Memory, Samples};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;

@@ -1,10 +1,11 @@
 //! A made-up report for the tests: two scenes, two suns, six methods, a failed cell, a cell without times, a picture
 //! that is not there, and names that try to break out of the page.
 
-use crate::batch::record::{
-    Cell, Environment, ErrorNumbers, ImageSize, Measured, Memory, Reference, Report, SCHEMA,
-    Samples, Stats, Times, WallClock,
-};
+use crate::batch::record::{Cell, Measured, Reference, Report, SCHEMA, Times, WallClock};
+use crate::gpu::Environment;
+use crate::metrics::{ErrorNumbers, Stats};
+use crate::raymarch::{Memory, Samples};
+use crate::scene::ImageSize;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 use super::fixture::{ADAPTER, HOSTILE, paint, report};
 use super::*;
-use crate::batch::record::Stats;
+use crate::metrics::Stats;
 use std::collections::BTreeMap;
 use std::fs::read_to_string;
 

@@ -10,7 +10,7 @@ mod light;
 mod march;
 mod preetham;
 
-pub use camera::Camera;
+pub use camera::{Camera, ImageSize};
 pub use container::Container;
 pub use density::{Deck, Density, Detail, Procedural, Volume};
 pub use geometry::Intervals;

@@ -2,11 +2,11 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 use glam::DVec3;
-use occlab::batch::record::ImageSize;
 use occlab::frame::Frame;
 use occlab::gpu::Gpu;
 use occlab::occlusion::MethodSetup;
 use occlab::raymarch::{Counts, Renderer, View, unwatched};
+use occlab::scene::ImageSize;
 use occlab::scene::{
     Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Volume,
 };

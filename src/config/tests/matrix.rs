@@ -1,6 +1,6 @@
 use super::*;
-use crate::batch::record::ImageSize;
 use crate::occlusion::param::ParamValue;
+use crate::scene::ImageSize;
 use serde_json::json;
 
 #[test]

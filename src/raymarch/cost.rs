@@ -1,0 +1,57 @@
+//! What a picture costs: time, density samples, memory.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Times of one run, ms; GPU times are `None` where the adapter has no timestamps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PassTimes {
+    /// The map pass; `None` without a map.
+    pub generate: Option<f64>,
+    /// The view march, all tiles.
+    pub march: Option<f64>,
+    /// Submission to completion, seen from the CPU.
+    pub wall: f64,
+}
+
+impl PassTimes {
+    /// Sum of the passes.
+    pub fn total(&self) -> Option<f64> {
+        self.march.map(|march| march + self.generate.unwrap_or(0.0))
+    }
+}
+
+/// What one picture took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// Density samples.
+    pub samples: Samples,
+    /// Light look-ups in a map.
+    pub look_ups: u64,
+    /// Of these, outside the map and therefore marched.
+    pub fallbacks: u64,
+}
+
+/// Density samples taken for one picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Samples {
+    /// By view rays.
+    pub view: u64,
+    /// By light rays (secondary marches, fallbacks).
+    pub light: u64,
+    /// By the map pass.
+    pub map: u64,
+}
+
+/// Memory of a method, bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Memory {
+    /// Values × bytes a value × texels.
+    pub payload_bytes: u64,
+    /// The textures as allocated.
+    pub map_bytes: u64,
+    /// Growth that wgpu's allocator reports; `null` where the backend does not report.
+    pub allocator_bytes: Option<u64>,
+}
