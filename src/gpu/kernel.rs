@@ -1,6 +1,7 @@
 //! A compute pipeline whose resources are bound by the name of the WGSL variable.
 
 use super::context::Gpu;
+use super::lavapipe::uniforms_as_private_copies;
 use super::shader::{Program, compose};
 use super::uniform::{Leaf, UniformValue, pack, struct_leaves};
 use crate::error::{Error, Result};
@@ -78,7 +79,7 @@ impl Kernel {
         let start = Instant::now();
         let mut module = compose(program)?;
         if gpu.info.driver == "llvmpipe" {
-            uniforms_as_storage(&mut module);
+            uniforms_as_private_copies(&mut module);
         }
         let bindings = reflect(&module, program.entry)?;
         let entry = module
@@ -238,25 +239,6 @@ fn plain_name(name: &str) -> String {
         .next()
         .unwrap_or(name)
         .to_owned()
-}
-
-/// Mesa's lavapipe (seen in 22.3) inlines uniform loads into shaders and overruns a fixed array while it does so, which
-/// corrupts its stack and heap; it also recompiles whenever a value changes. It leaves storage buffers alone, so there
-/// uniforms become read-only storage buffers of the same layout. Other drivers see what the files say.
-fn uniforms_as_storage(module: &mut Module) {
-    let handles: Vec<_> = module
-        .global_variables
-        .iter()
-        .map(|(handle, _)| handle)
-        .collect();
-    for handle in handles {
-        let variable = module.global_variables.get_mut(handle);
-        if variable.space == AddressSpace::Uniform {
-            variable.space = AddressSpace::Storage {
-                access: StorageAccess::LOAD,
-            };
-        }
-    }
 }
 
 fn reflect(module: &Module, file: &str) -> Result<Vec<Binding>> {

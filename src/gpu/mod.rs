@@ -3,6 +3,7 @@
 mod context;
 mod environment;
 mod kernel;
+mod lavapipe;
 mod readback;
 mod shader;
 mod timing;
