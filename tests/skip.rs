@@ -58,13 +58,17 @@ fn check_skipping(scene: Scene) {
                 "{} {id}: view, light, map samples {on:?} skipping, {off:?} not; {empty:.2} empty",
                 scene.name
             );
+            // Only the view march and the truth skip: elsewhere looking costs more than it saves.
+            assert!(on[0] < off[0] && on[2] == off[2], "{}: {id}", scene.name);
             assert!(
-                on[0] < off[0] && on[1] <= off[1] && on[2] <= off[2],
-                "{}: {id}: {on:?} {off:?}",
+                if id == "truth" {
+                    on[1] < off[1]
+                } else {
+                    on[1] == off[1]
+                },
+                "{}: {id}",
                 scene.name
             );
-            let last = if id == "bsm" { 2 } else { 1 };
-            assert!(on[last] < off[last], "{}: {id}: {on:?} {off:?}", scene.name);
         }
     });
 }

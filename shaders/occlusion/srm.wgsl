@@ -8,7 +8,7 @@
 //
 // Source: Harris & Lastra 2001; thesis M, Algorithm 2. Cost: n density samples a view sample.
 #import layer::{layer_length, point_at}
-#import medium::{extinction, is_empty, sun_ray}
+#import medium::{extinction, sun_ray}
 #import numerics::OPAQUE_TAU
 
 struct Params {
@@ -47,9 +47,7 @@ fn light_transmittance(p: vec3f, rnd: f32) -> f32 {
 #else
         let q = point_at(ray, low + 0.5 * width);
 #endif
-        if !is_empty(q) {
-            tau += extinction(q) * width;
-        }
+        tau += extinction(q) * width;
     }
     return exp(-tau);
 }

@@ -2,10 +2,10 @@
 //
 //   Δ = L/n over the column's own length L,  sample k at (k + ½)Δ, or at (k + 1)Δ when SAMPLING_END is defined
 //
-// Cost: one density sample a step that is not provably empty.
+// Cost: one density sample a step.
 #import map::{map, column_at}
 #import layer::{LayerRay, layer_length, point_at}
-#import medium::{extinction, is_empty}
+#import medium::{extinction}
 
 #ifdef TEXEL_R16
 @group(2) @binding(4) var map_store: texture_storage_2d_array<r16float, write>;
@@ -44,11 +44,7 @@ fn sample_depth(column: Column, k: u32) -> f32 {
 
 // Extinction of step k, m⁻¹.
 fn sample_extinction(column: Column, k: u32) -> f32 {
-    let p = point_at(column.ray, sample_depth(column, k));
-    if is_empty(p) {
-        return 0.0;
-    }
-    return extinction(p);
+    return extinction(point_at(column.ray, sample_depth(column, k)));
 }
 
 fn store(column: Column, layer: u32, values: vec4f) {

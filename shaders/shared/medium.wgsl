@@ -40,7 +40,3 @@ fn empty_steps(ray: LayerRay, s: f32, step_m: f32, p: vec3f) -> u32 {
     }
     return 1u + u32(min(reach / step_m, 65536.0));
 }
-
-fn is_empty(p: vec3f) -> bool {
-    return frame.skip == 1u && empty_distance(p) >= 0.0;
-}

@@ -4,41 +4,33 @@
 //   empty_distance = (d − 1)·cell + distance to the nearest face of the own cell;  −1 when the cell may hold medium
 //
 // A step of that length stays in empty cells: in field coordinates no axis advances faster than the ray.
-// Cost: one 4-byte load.
+// Cost: one unfiltered 3-D fetch, at a cell's centre so that rounding cannot pick a neighbour; the sampler wraps.
 
 struct Occupancy {
-    size: vec3i,        // cells along x, y, z
+    size: vec3f,        // cells along x, y, z
     wrap: u32,          // 1: periodic in x and z
     origin_m: vec3f,
     cell_m: f32,
 }
 
 @group(1) @binding(0) var<uniform> occupancy: Occupancy;
-@group(1) @binding(1) var<storage, read> occupancy_cells: array<u32>;
+@group(1) @binding(1) var occupancy_cells: texture_3d<f32>;
+@group(1) @binding(7) var occupancy_sampler: sampler;
 
 fn grid_distance(field: vec3f) -> f32 {
     let cell = (field - occupancy.origin_m) / occupancy.cell_m;
     let base = floor(cell);
-    var index = vec3i(base);
-    if occupancy.wrap == 1u {
-        // In floats: vector units have no integer division. At a seam rounding may name the neighbour of the cell whose
-        // face the point lies on, within the slack of the bounds (density/bounds.rs).
-        let period = vec2f(occupancy.size.xz);
-        let across = base.xz - period * floor(base.xz / period);
-        let inner = clamp(vec2i(across), vec2i(0), occupancy.size.xz - 1);
-        index = vec3i(inner.x, index.y, inner.y);
-    }
-    if any(index < vec3i(0)) || any(index >= occupancy.size) {
+    let outside = (base < vec3f(0.0)) | (base >= occupancy.size);
+    if outside.y || (occupancy.wrap == 0u && any(outside)) {
         return -1.0;
     }
-    let linear = u32((index.z * occupancy.size.y + index.y) * occupancy.size.x + index.x);
-    let word = occupancy_cells[linear / 4u];
-    let rings = (word >> (8u * (linear % 4u))) & 255u;
-    if rings == 0u {
+    let stored = textureSampleLevel(occupancy_cells, occupancy_sampler, (base + 0.5) / occupancy.size, 0.0).x;
+    let rings = round(255.0 * stored);
+    if rings == 0.0 {
         return -1.0;
     }
     let inside = min(cell - base, 1.0 - (cell - base));
     let margin = min(inside.x, min(inside.y, inside.z));
     // 1e-3 of a cell pays for the rounding of `cell`.
-    return max(f32(rings - 1u) + margin - 1e-3, 0.0) * occupancy.cell_m;
+    return max(rings - 1.0 + margin - 1e-3, 0.0) * occupancy.cell_m;
 }

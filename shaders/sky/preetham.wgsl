@@ -2,9 +2,11 @@
 //
 //   F(θ, γ) = (1 + A e^(B/cosθ)) (1 + C e^(Dγ) + E cos²γ),  {Y, x, y} = zenith · F(θ, γ)   (zenith already over F(0, θs))
 //
-// Below the horizon: the ground's radiance. Coefficients come from scene/preetham.rs.
+// Where the ray meets the ground: the ground's radiance; from there up to the horizontal: the horizon's. Coefficients come
+// from scene/preetham.rs.
 // Cost: six exponentials a pixel.
 #import frame::frame
+#import container::ground_blocks
 
 struct Sky {
     perez: array<vec4f, 5>,   // A…E of (Y, x, y)
@@ -15,7 +17,7 @@ struct Sky {
 @group(0) @binding(3) var<uniform> sky: Sky;
 
 fn sky_radiance(direction: vec3f) -> vec3f {
-    if direction.y < 0.0 {
+    if ground_blocks(frame.camera_position_m, direction) {
         return sky.ground;
     }
     let cosine = max(direction.y, 0.01);

@@ -1,7 +1,7 @@
 //! `occlab batch` and `occlab report`.
 
 use super::progress::bar;
-use super::{Device, print_path};
+use super::{Device, print_path, say};
 use occlab::batch::record::{Cell, Report};
 use occlab::batch::{Event, report_folder, run};
 use occlab::config::{describe, expand, load_experiment};
@@ -34,7 +34,7 @@ impl Batch {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let experiment = load_experiment(&self.config)?;
         if self.dry_run {
-            print!("{}", describe(&expand(&experiment, &Registry)?));
+            say(describe(&expand(&experiment, &Registry)?).trim_end())?;
             return Ok(ExitCode::SUCCESS);
         }
         let folder = self
@@ -65,7 +65,7 @@ impl Batch {
         if !quiet {
             summarise(&report);
         }
-        print_path(&page);
+        print_path(&page)?;
         let failed = report.cells.iter().filter(|c| c.failed.is_some()).count();
         Ok(if failed > 0 {
             ExitCode::from(1)
@@ -169,7 +169,7 @@ pub struct Rebuild {
 impl Rebuild {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let report = Report::read(&self.folder.join("report.json"))?;
-        print_path(&occlab::report::write(&self.folder, &report)?);
+        print_path(&occlab::report::write(&self.folder, &report)?)?;
         Ok(ExitCode::SUCCESS)
     }
 }

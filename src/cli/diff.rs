@@ -1,6 +1,6 @@
 //! `occlab diff`.
 
-use super::print_path;
+use super::{print_path, say};
 use occlab::frame::{false_colour, read_image, write_png};
 use occlab::metrics::{compare, delta_luminance, mean_sun};
 use std::path::PathBuf;
@@ -30,11 +30,11 @@ impl Diff {
         let mut numbers = serde_json::to_value(comparison.error)?;
         numbers["cloud_pixel_fraction"] = comparison.cloud_pixel_fraction.into();
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&numbers)?);
+            say(serde_json::to_string_pretty(&numbers)?)?;
         } else if let Some(map) = numbers.as_object() {
-            map.iter()
-                .filter(|(_, v)| !v.is_null())
-                .for_each(|(name, value)| println!("{name:<22} {value}"));
+            for (name, value) in map.iter().filter(|(_, v)| !v.is_null()) {
+                say(format!("{name:<22} {value}"))?;
+            }
         }
         if let Some(out) = &self.out {
             let scale = self.scale * mean_sun(&reference)? as f32;
@@ -45,7 +45,7 @@ impl Diff {
                 reference.height,
                 &false_colour(reference.width, reference.height, &delta, scale),
             )?;
-            print_path(out);
+            print_path(out)?;
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -1,5 +1,6 @@
 //! `occlab methods`, `occlab adapters`, `occlab schema`.
 
+use super::say;
 use occlab::Error;
 use occlab::gpu::{Gpu, list_adapters};
 use occlab::occlusion::REGISTRY;
@@ -16,27 +17,30 @@ pub struct Json {
 pub fn methods(options: &Json) -> anyhow::Result<ExitCode> {
     if options.json {
         let all: Vec<_> = REGISTRY.iter().map(|m| method_json(m.info())).collect();
-        println!("{}", serde_json::to_string_pretty(&all)?);
+        say(serde_json::to_string_pretty(&all)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     for method in REGISTRY {
         let info = method.info();
-        println!("{}: {}\n    {}", info.id, info.title, info.citation);
+        say(format!(
+            "{}: {}\n    {}",
+            info.id, info.title, info.citation
+        ))?;
         for spec in info.specs() {
             let unit = if spec.unit.is_empty() {
                 String::new()
             } else {
                 format!(" {}", spec.unit)
             };
-            println!(
+            say(format!(
                 "    {} = {}{unit}    [{}]\n        {}",
                 spec.name,
                 spec.default_value(),
                 spec.range_text(),
                 spec.doc
-            );
+            ))?;
         }
-        println!();
+        say("")?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -52,7 +56,7 @@ fn method_json(info: &occlab::occlusion::MethodInfo) -> Value {
 pub fn adapters(options: &Json) -> anyhow::Result<ExitCode> {
     let all = list_adapters();
     if options.json {
-        println!("{}", serde_json::to_string_pretty(&all)?);
+        say(serde_json::to_string_pretty(&all)?)?;
     } else if all.is_empty() {
         // Opening one produces the message that names the package to install.
         return Gpu::new(None)
@@ -61,7 +65,7 @@ pub fn adapters(options: &Json) -> anyhow::Result<ExitCode> {
     }
     if !options.json {
         for a in &all {
-            println!(
+            say(format!(
                 "{}\n    {} {}, {}, timestamps {}, f32 filtering {}, maps up to {}²",
                 a.name,
                 a.backend,
@@ -70,16 +74,14 @@ pub fn adapters(options: &Json) -> anyhow::Result<ExitCode> {
                 a.timestamps,
                 a.float32_filterable,
                 a.max_texture_2d
-            );
+            ))?;
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
 pub fn schema() -> anyhow::Result<ExitCode> {
-    println!(
-        "{}",
-        serde_json::to_string_pretty(&occlab::config::schema(&occlab::occlusion::Registry))?
-    );
+    let schema = occlab::config::schema(&occlab::occlusion::Registry);
+    say(serde_json::to_string_pretty(&schema)?)?;
     Ok(ExitCode::SUCCESS)
 }

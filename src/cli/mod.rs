@@ -7,6 +7,7 @@ mod progress;
 mod render;
 
 use clap::{Parser, Subcommand};
+use std::io::Write;
 use std::process::ExitCode;
 
 /// Measures how clouds shadow themselves.
@@ -62,6 +63,7 @@ pub fn run(cli: Cli) -> ExitCode {
     };
     match outcome {
         Ok(code) => code,
+        Err(error) if reader_left(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(2)
@@ -69,7 +71,18 @@ pub fn run(cli: Cli) -> ExitCode {
     }
 }
 
+/// One line, or a paragraph, of results on stdout.
+fn say(text: impl std::fmt::Display) -> std::io::Result<()> {
+    writeln!(std::io::stdout().lock(), "{text}")
+}
+
+/// `occlab methods | head` is no error.
+fn reader_left(error: &anyhow::Error) -> bool {
+    let broken = |e: &std::io::Error| e.kind() == std::io::ErrorKind::BrokenPipe;
+    error.downcast_ref().is_some_and(broken)
+}
+
 /// The path of a report, last line of every command that writes one.
-fn print_path(path: &std::path::Path) {
-    println!("{}", path.display());
+fn print_path(path: &std::path::Path) -> std::io::Result<()> {
+    say(path.display())
 }

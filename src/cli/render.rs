@@ -105,7 +105,7 @@ impl Render {
                 times.wall
             );
         }
-        print_path(&self.out);
+        print_path(&self.out)?;
         Ok(ExitCode::SUCCESS)
     }
 

@@ -40,11 +40,7 @@ pub(super) fn uniforms_as_private_copies(module: &mut Module) {
 }
 
 /// Makes every use of `from` one of `to`; tells whether there was any.
-fn redirect(
-    module: &mut Module,
-    from: Handle<GlobalVariable>,
-    to: Handle<GlobalVariable>,
-) -> bool {
+fn redirect(module: &mut Module, from: Handle<GlobalVariable>, to: Handle<GlobalVariable>) -> bool {
     let functions = module.functions.iter_mut().map(|(_, function)| function);
     let entries = module.entry_points.iter_mut().map(|e| &mut e.function);
     let mut found = false;

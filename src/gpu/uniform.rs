@@ -18,8 +18,6 @@ pub enum UniformValue {
     Vec4([f32; 4]),
     /// `vec2u`
     UVec2([u32; 2]),
-    /// `vec3i`
-    IVec3([i32; 3]),
 }
 
 /// Scalar kind of a leaf.
@@ -47,7 +45,6 @@ impl UniformValue {
             Self::Vec3(v) => (ScalarKind::Float, bytemuck::bytes_of(v).to_vec()),
             Self::Vec4(v) => (ScalarKind::Float, bytemuck::bytes_of(v).to_vec()),
             Self::UVec2(v) => (ScalarKind::Uint, bytemuck::bytes_of(v).to_vec()),
-            Self::IVec3(v) => (ScalarKind::Sint, bytemuck::bytes_of(v).to_vec()),
         }
     }
 }
