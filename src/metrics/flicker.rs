@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn a_static_error_has_none_and_an_alternating_one_the_analytic_value() {
         assert_eq!(of(&vec![vec![0.3; 12]; 16], 0.5).unwrap(), 0.0);
-        let sign = |t: usize| if t % 2 == 0 { 0.25 } else { -0.25 };
+        let sign = |t: u32| if t.is_multiple_of(2) { 0.25 } else { -0.25 };
         let alternating: Vec<_> = (0..16).map(|t| vec![sign(t); 12]).collect();
         assert_eq!(of(&alternating, 0.5).unwrap(), 1.0);
         // One change of 1 in two steps of two values: √(1/4) / 2.
@@ -91,8 +91,8 @@ mod tests {
     #[test]
     fn each_frame_is_measured_against_its_own_truth() {
         let (mut follows, mut stays) = (Flicker::default(), Flicker::default());
-        for t in 0..16 {
-            let level = if t % 2 == 0 { 0.25 } else { 0.75 };
+        for t in 0..16_u32 {
+            let level = if t.is_multiple_of(2) { 0.25 } else { 0.75 };
             let truth = uniform(4, 4, level);
             follows.add(&truth, &uniform(4, 4, level + 0.125)).unwrap();
             stays.add(&truth, &uniform(4, 4, 0.5)).unwrap();

@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 
 /// A movement in [`Track::FRAMES`] frames; the first frame is the scene as it is.
 ///
-/// The pan is the slowest in which every pixel sees new cloud in each frame; a faster one would hide shimmer in motion,
-/// and let the error's own pattern, carried along by the picture, outweigh it. 1° of sun is four minutes of a day.
+/// The pan is the slowest in which every pixel sees new cloud in each frame. It carries the error's own pattern along, so
+/// that even an error fixed to the cloud flickers: compare methods of like `rel_rmse`. Under the moving sun the picture
+/// rests, and what flickers is the method. 1° of sun is four minutes of a day.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Track {

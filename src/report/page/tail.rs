@@ -251,7 +251,7 @@ const DEFINITIONS: [(&str, &str); 22] = [
     ),
     (
         "flicker",
-        "RMS frame-to-frame change of ΔL in units of mean L, over 16 frames of a pan of one pixel a frame, and of a sun that rises by 1°; n/a where the experiment asks for none",
+        "RMS frame-to-frame change of ΔL in units of mean L, over 16 frames of a pan of one pixel a frame, and of a sun that rises by 1°; the pan carries even a steady error along, the sun does not; n/a where the experiment asks for none",
     ),
     (
         "not finite",
