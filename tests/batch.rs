@@ -148,6 +148,7 @@ fn a_full_disk_is_an_error_that_loses_nothing_and_a_resumed_run_completes() {
     let text = stderr(&output);
     let error = text.split("error: ").nth(1).unwrap();
     assert_eq!(error.trim().lines().count(), 1, "not one paragraph: {text}");
+    assert_eq!(error.matches("os error").count(), 1, "said twice: {error}");
     assert!(text.contains("note: a truth is not kept"), "{text}");
 
     let before = modified(cells(folder.path()));

@@ -63,7 +63,7 @@ pub fn run(cli: Cli) -> ExitCode {
     match outcome {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {error}"); // one paragraph: a cause stands in its text
             ExitCode::from(2)
         }
     }
