@@ -20,7 +20,7 @@ fn bad_experiment_members_are_located() {
     has(
         &error("discard", "0"),
         &[
-            "e.json:1:12 (at /discard)",
+            "e.json:1:93 (at /discard)",
             "1…10000",
             "the first run of a pipeline",
         ],
