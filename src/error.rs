@@ -81,6 +81,15 @@ impl Error {
         }
     }
 
+    /// Whether it concerns one cell or view alone, so that a batch records it there and goes on: the adapter, the
+    /// input, a shader. A disk that fails or a wish to stop concerns all.
+    pub fn concerns_one_cell(&self) -> bool {
+        matches!(
+            self,
+            Self::Gpu { .. } | Self::Input { .. } | Self::Shader { .. }
+        )
+    }
+
     /// Closure for `map_err` after a failed read of `path`.
     pub fn reading(path: &Path) -> impl FnOnce(std::io::Error) -> Self + use<> {
         let path = path.to_owned();

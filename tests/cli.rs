@@ -1,81 +1,12 @@
 //! The program as a user meets it: errors that name file, place and remedy with exit code 2, a batch that survives a
 //! kill, a failed cell that does not take the others with it.
 
+#[path = "common/program.rs"]
+mod program;
+
+use program::{batch, cells, experiment, modified, occlab, refused, report, stderr, workplace};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
-
-fn occlab(folder: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_occlab"));
-    command
-        .current_dir(folder)
-        .env("OCCLAB_CACHE", folder.join("cache"))
-        .stdin(Stdio::null());
-    command
-}
-
-fn scene() -> Value {
-    json!({
-        "name": "slab",
-        "container": {"box": {"min_m": [0, 0, 0], "max_m": [1000, 1000, 1000]}},
-        "density": {"uniform": {"value": 1}},
-        "medium": {"extinction_per_m": 0.005},
-        "sun": {"elevation_deg": 60, "azimuth_deg": 30, "irradiance": [1, 1, 1]},
-        "camera": {"position_m": [500, 500, -2500], "target_m": [500, 500, 500], "fov_y_deg": 30}
-    })
-}
-
-fn experiment() -> Value {
-    json!({
-        "name": "small", "image": {"width": 24, "height": 16}, "runs": 2, "scenes": ["slab.json"],
-        "sun_elevation_deg": [60, 40, 20],
-        "methods": [{"method": "srm", "steps": [4, 8]}, {"method": "bsm", "resolution": 16, "steps": 8}]
-    })
-}
-
-/// A folder with a scene and an experiment, changed by `edit`.
-fn workplace(edit: impl FnOnce(&mut Value, &mut Value)) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let (mut scene, mut experiment) = (scene(), experiment());
-    edit(&mut scene, &mut experiment);
-    std::fs::write(folder.path().join("slab.json"), scene.to_string()).unwrap();
-    std::fs::write(
-        folder.path().join("small.json"),
-        serde_json::to_string_pretty(&experiment).unwrap(),
-    )
-    .unwrap();
-    folder
-}
-
-fn batch(folder: &Path) -> Output {
-    occlab(folder)
-        .args(["batch", "small.json", "--out", "out", "--quiet"])
-        .output()
-        .unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn refused(output: &Output, words: &[&str]) {
-    let text = stderr(output);
-    assert_eq!(output.status.code(), Some(2), "{text}");
-    for word in words {
-        assert!(text.contains(word), "`{word}` is not in: {text}");
-    }
-}
-
-fn cells(folder: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = std::fs::read_dir(folder.join("out/cells")) else {
-        return Vec::new();
-    };
-    let paths = entries.map(|e| e.unwrap().path());
-    paths
-        .filter(|p| p.extension().is_some_and(|e| e == "json"))
-        .collect()
-}
 
 #[test]
 fn bad_configurations_are_one_paragraph_with_place_and_remedy() {
@@ -135,11 +66,7 @@ fn a_killed_batch_resumes_and_repeats_nothing() {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    let written = |p: &PathBuf| std::fs::metadata(p).unwrap().modified().unwrap();
-    let before: Vec<_> = cells(folder.path())
-        .into_iter()
-        .map(|p| (written(&p), p))
-        .collect();
+    let before = modified(cells(folder.path()));
     assert!(!before.is_empty());
     assert!(
         !folder.path().join("out/index.html").exists(),
@@ -148,17 +75,9 @@ fn a_killed_batch_resumes_and_repeats_nothing() {
 
     let second = batch(folder.path());
     assert!(second.status.success(), "{}", stderr(&second));
-    for (time, path) in &before {
-        assert_eq!(
-            written(path),
-            *time,
-            "{} was measured again",
-            path.display()
-        );
-    }
-    let report: Value =
-        serde_json::from_slice(&std::fs::read(folder.path().join("out/report.json")).unwrap())
-            .unwrap();
+    let kept = before.iter().map(|(path, _)| path.clone());
+    assert_eq!(modified(kept), before, "cells were measured again");
+    let report = report(folder.path());
     let found = report["cells"].as_array().unwrap();
     assert_eq!(found.len(), 9);
     assert!(
@@ -184,9 +103,7 @@ fn a_cell_beyond_the_adapter_is_recorded_and_the_rest_goes_on() {
     });
     let output = batch(folder.path());
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    let report: Value =
-        serde_json::from_slice(&std::fs::read(folder.path().join("out/report.json")).unwrap())
-            .unwrap();
+    let report = report(folder.path());
     let found = report["cells"].as_array().unwrap();
     assert_eq!(found.len(), 4, "no cell is dropped");
     let failed: Vec<_> = found.iter().filter_map(|c| c["failed"].as_str()).collect();

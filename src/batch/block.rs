@@ -4,27 +4,23 @@
 //! ratios can be taken inside a round. Nothing but passes runs between the first timed round and the last: pictures are
 //! read in the first discarded round, counted, compared and written after the last.
 
-use super::cell::{bare_cell, cell_id, record_failure, times, view_id};
+use super::cell::{bare_cell, cell_id, record_failure, setup, times, view_id};
+use super::pictures::{write_compared, write_picture};
 use super::record::{Cell, Measured, Reference};
-use super::store::Store;
-use super::{Event, Observer, tell, view_name};
-use crate::config::{CellSpec, Experiment, View as MatrixView};
+use super::{Event, Observer, Task, flicker, stage, tell};
+use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
-use crate::frame::{Exposure, Frame, false_colour, tone_map, write_frame, write_png};
-use crate::metrics::{ErrorNumbers, compare, delta_luminance, mean_sun};
-use crate::occlusion::{MAP_PARAMS, MethodSetup, find};
-use crate::raymarch::reference::{Truth, truth};
-use crate::raymarch::{PassTimes, Prepared, Renderer, View};
+use crate::frame::Frame;
+use crate::metrics::{ErrorNumbers, compare};
+use crate::occlusion::{MAP_PARAMS, MethodSetup};
+use crate::raymarch::reference::{Counting, Truth, truth};
+use crate::raymarch::{PassTimes, Prepared, View, unwatched};
 use crate::scene::ImageSize;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 use std::collections::HashMap;
-use std::ops::ControlFlow;
-use std::path::Path;
 
 /// Maps and pictures held at once, bytes; a view with more cells is measured in several blocks.
 const BLOCK_BYTES: u64 = 2 << 30;
-/// ΔL / mean L that gets the end colours of a difference picture: one scale everywhere.
-const DIFF_SCALE: f32 = 1.0;
 
 /// A cell being measured.
 struct Run<'a> {
@@ -37,40 +33,31 @@ struct Run<'a> {
 
 /// State of one view.
 struct Bench<'a> {
-    experiment: &'a Experiment,
-    renderer: &'a Renderer,
+    task: &'a Task<'a>,
     matrix: &'a MatrixView,
     view: View,
     truth: Truth,
-    store: &'a Store,
     /// `rel_rmse` of the uncompressed column by the map parameters it shares with a cell.
     floors: HashMap<String, f64>,
     passes_s: f64,
 }
 
 /// Measures the cells that are not recorded yet; returns the seconds spent in passes.
-pub(super) fn run_view(
-    experiment: &Experiment,
-    renderer: &Renderer,
-    matrix: &MatrixView,
-    store: &Store,
-    cache: Option<&Path>,
-    observe: Observer,
-) -> Result<f64> {
+pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> Result<f64> {
     let missing: Vec<_> = matrix
         .cells
         .iter()
-        .filter(|spec| !store.has(&cell_id(matrix, spec)))
+        .filter(|spec| !task.store.has(&cell_id(matrix, spec)))
         .collect();
     if missing.is_empty() {
         return Ok(0.0);
     }
-    let mut bench = match Bench::new(experiment, renderer, matrix, store, cache, observe) {
+    let mut bench = match Bench::new(task, matrix, observe) {
         Ok(bench) => bench,
         // The scene itself cannot be rendered here: every cell says so, the other scenes go on.
         Err(error @ Error::Gpu { .. }) => {
             for spec in missing {
-                record_failure(matrix, renderer, store, spec, &error, observe)?;
+                record_failure(task, matrix, spec, &error, observe)?;
             }
             return Ok(0.0);
         }
@@ -84,72 +71,59 @@ pub(super) fn run_view(
 }
 
 impl<'a> Bench<'a> {
-    fn new(
-        experiment: &'a Experiment,
-        renderer: &'a Renderer,
-        matrix: &'a MatrixView,
-        store: &'a Store,
-        cache: Option<&Path>,
-        observe: Observer,
-    ) -> Result<Self> {
-        let name = view_name(matrix);
-        stage(observe, &name, "scene", 0.0)?;
+    fn new(task: &'a Task, matrix: &'a MatrixView, observe: Observer) -> Result<Self> {
+        let renderer = task.renderer;
+        stage(observe, matrix, "scene", 0.0)?;
         let (start, compiled_s) = (std::time::Instant::now(), renderer.gpu.compile_s());
         let view = renderer.view(&matrix.scene, matrix.image)?;
         let scene_s = start.elapsed().as_secs_f64() - (renderer.gpu.compile_s() - compiled_s);
-        let what = format!("{name}: truth");
-        let truth = truth(renderer, &view, cache, &mut |share| {
-            observe(Event::Stage {
-                what: what.clone(),
-                share,
-            })
-        })?;
-        let truth_s = if truth.cached {
-            0.0
-        } else {
-            2.0 * truth.cost.wall_ms * 1e-3
-        };
-        let bench = Self {
-            experiment,
-            renderer,
+        let mut progress = |share| observe(Event::stage(matrix, "truth", share));
+        let truth = truth(renderer, &view, task.cache, Counting::On, &mut progress)?;
+        if let Some(note) = &truth.note {
+            tell(observe, Event::Note(note.clone()))?;
+        }
+        let mut bench = Self {
+            task,
             matrix,
             view,
+            passes_s: scene_s + truth.passes_s(),
             truth,
-            store,
             floors: HashMap::new(),
-            passes_s: scene_s + truth_s,
         };
-        bench.record_truth()?;
+        bench.record_reference(observe)?;
         Ok(bench)
     }
 
-    fn record_truth(&self) -> Result<()> {
-        let id = view_id(self.matrix);
-        let (exr, png) = (
-            format!("images/truth-{id}.exr"),
-            format!("images/truth-{id}.png"),
-        );
-        let frame = &self.truth.frame;
-        write_frame(&self.store.path(&exr), frame)?;
-        write_png(
-            &self.store.path(&png),
-            frame.width,
-            frame.height,
-            &tone_map(frame, Exposure::from_reference(frame)),
-        )?;
-        let cost = &self.truth.cost;
+    /// Pictures, then the record: what is recorded is whole, and a resumed run keeps it.
+    fn record_reference(&mut self, observe: Observer) -> Result<()> {
+        let (task, matrix) = (self.task, self.matrix);
+        let id = view_id(matrix);
+        if task.store.reference(&id)?.is_some() {
+            return Ok(());
+        }
+        stage(observe, matrix, "view steps", 0.0)?;
+        let (frame, cost) = (&self.truth.frame, self.truth.cost);
+        let files = write_picture(task.store, &format!("truth-{id}"), frame, frame)?;
+        let (view_step_rel_rmse, passes_s) = view_step_error(task, &self.view)?;
+        self.passes_s += passes_s;
         let reference = Reference {
             id: id.clone(),
-            scene: self.matrix.scene.name.clone(),
-            sun_elevation_deg: self.matrix.scene.sun.elevation_deg,
-            image: self.matrix.image,
+            scene: matrix.scene.name.clone(),
+            sun_elevation_deg: matrix.scene.sun.elevation_deg,
+            image: matrix.image,
             march_ms: cost.march_ms,
-            light_samples: Some(cost.samples.light),
-            view_samples: Some(cost.samples.view),
+            light_samples: cost.samples.map(|samples| samples.light),
+            view_samples: cost.samples.map(|samples| samples.view),
             cached: self.truth.cached,
-            files: files([("exr", exr.into()), ("png", png.into())]),
+            view_steps: match matrix.scene.march.step_m {
+                Some(_) => None,
+                None => Some(matrix.scene.march.steps),
+            },
+            view_step_rel_rmse,
+            tracks: flicker::tracks(task, matrix),
+            files,
         };
-        self.store.put_reference(&id, &reference)
+        task.store.put_reference(&id, &reference)
     }
 
     /// Prepares as many cells as fit, measures and records them; returns the others.
@@ -171,14 +145,7 @@ impl<'a> Bench<'a> {
                     bytes += run.prepared.memory.map_bytes + frame_bytes(self.matrix.image);
                     runs.push(run);
                 }
-                Err(error) => record_failure(
-                    self.matrix,
-                    self.renderer,
-                    self.store,
-                    spec,
-                    &error,
-                    observe,
-                )?,
+                Err(error) => record_failure(self.task, self.matrix, spec, &error, observe)?,
             }
         }
         self.rounds(&mut runs, observe)?;
@@ -186,18 +153,11 @@ impl<'a> Bench<'a> {
             let spec = run.spec;
             match self.measure(run) {
                 Ok(cell) => {
-                    self.store.put_cell(&cell)?;
+                    self.task.store.put_cell(&cell)?;
                     tell(observe, Event::Cell(Box::new(cell)))?;
                 }
-                Err(error @ (Error::Gpu { .. } | Error::Input { .. } | Error::Shader { .. })) => {
-                    record_failure(
-                        self.matrix,
-                        self.renderer,
-                        self.store,
-                        spec,
-                        &error,
-                        observe,
-                    )?;
+                Err(error) if error.concerns_one_cell() => {
+                    record_failure(self.task, self.matrix, spec, &error, observe)?;
                 }
                 Err(error) => return Err(error),
             }
@@ -206,11 +166,8 @@ impl<'a> Bench<'a> {
     }
 
     fn prepare(&self, spec: &'a CellSpec) -> Result<Run<'a>> {
-        let setup = MethodSetup {
-            method: find(&spec.method)?,
-            params: spec.params.clone(),
-        };
-        let prepared = self.renderer.prepare(&self.view, &setup)?;
+        let setup = setup(spec)?;
+        let prepared = self.task.renderer.prepare(&self.view, &setup)?;
         Ok(Run {
             spec,
             setup,
@@ -221,26 +178,23 @@ impl<'a> Bench<'a> {
     }
 
     fn rounds(&mut self, runs: &mut [Run], observe: Observer) -> Result<()> {
-        let name = view_name(self.matrix);
-        let rounds = self.experiment.discard.max(1) + self.experiment.runs;
+        let rounds = self.task.experiment.discard + self.task.experiment.runs;
         let total = f64::from(rounds) * runs.len().max(1) as f64;
         for round in 0..rounds {
             for (i, run) in runs.iter_mut().enumerate() {
                 let share = (f64::from(round) * total / f64::from(rounds) + i as f64) / total;
                 stage(
                     observe,
-                    &name,
+                    self.matrix,
                     &format!("round {}/{rounds}", round + 1),
                     share,
                 )?;
-                let times = run
-                    .prepared
-                    .run(&self.renderer.gpu, &mut |_| ControlFlow::Continue(()))?;
+                let times = run.prepared.run(&self.task.renderer.gpu, &mut unwatched)?;
                 self.passes_s += times.wall * 1e-3;
                 if round == 0 {
-                    run.frame = Some(self.view.read(&self.renderer.gpu)?);
+                    run.frame = Some(self.view.read(&self.task.renderer.gpu)?);
                 }
-                if round >= self.experiment.discard.max(1) {
+                if round >= self.task.experiment.discard {
                     run.times.push(times);
                 }
             }
@@ -252,11 +206,15 @@ impl<'a> Bench<'a> {
         let frame = run
             .frame
             .ok_or_else(|| Error::gpu("the cell was never rendered", "Run the batch again."))?;
+        let id = cell_id(self.matrix, run.spec);
         let comparison = compare(&self.truth.frame, &frame)?;
-        let counting = self.renderer.prepare_counting(&self.view, &run.setup)?;
-        let counted = counting.run(&self.renderer.gpu, &mut |_| ControlFlow::Continue(()))?;
+        let counting = self
+            .task
+            .renderer
+            .prepare_counting(&self.view, &run.setup)?;
+        let counted = counting.run(&self.task.renderer.gpu, &mut unwatched)?;
         self.passes_s += counted.wall * 1e-3;
-        let counts = counting.counts(&self.renderer.gpu)?;
+        let counts = counting.counts(&self.task.renderer.gpu)?;
         let error = ErrorNumbers {
             floor_rel_rmse: self.floor(&run.setup)?,
             ..comparison.error
@@ -270,11 +228,12 @@ impl<'a> Bench<'a> {
             rounds_total_ms: run.times.iter().filter_map(PassTimes::total).collect(),
             samples: counts.samples,
             error,
-            files: self.write_pictures(&cell_id(self.matrix, run.spec), &frame)?,
+            notes: Vec::new(),
+            files: write_compared(self.task.store, &id, &self.truth.frame, &frame)?,
         };
         Ok(Cell {
             result: Some(result),
-            ..bare_cell(self.matrix, self.renderer, run.spec)
+            ..bare_cell(self.task, self.matrix, run.spec)
         })
     }
 
@@ -293,61 +252,42 @@ impl<'a> Bench<'a> {
         if let Some(known) = self.floors.get(&key) {
             return Ok(Some(*known));
         }
-        let prepared = self.renderer.prepare(&self.view, &floor)?;
-        let times = prepared.run(&self.renderer.gpu, &mut |_| ControlFlow::Continue(()))?;
+        let prepared = self.task.renderer.prepare(&self.view, &floor)?;
+        let times = prepared.run(&self.task.renderer.gpu, &mut unwatched)?;
         self.passes_s += times.wall * 1e-3;
-        let error = compare(&self.truth.frame, &self.view.read(&self.renderer.gpu)?)?
+        let error = compare(&self.truth.frame, &self.view.read(&self.task.renderer.gpu)?)?
             .error
             .rel_rmse;
         self.floors.insert(key, error);
         Ok(Some(error))
     }
-
-    fn write_pictures(&self, id: &str, frame: &Frame) -> Result<Map<String, Value>> {
-        let path = |suffix: &str| format!("images/{id}{suffix}");
-        let (exr, png, diff) = (path(".exr"), path(".png"), path("-diff.png"));
-        let exposure = Exposure::from_reference(&self.truth.frame);
-        write_frame(&self.store.path(&exr), frame)?;
-        write_png(
-            &self.store.path(&png),
-            frame.width,
-            frame.height,
-            &tone_map(frame, exposure),
-        )?;
-        let delta = delta_luminance(&self.truth.frame, frame)?;
-        let scale = DIFF_SCALE * mean_sun(&self.truth.frame)? as f32;
-        write_png(
-            &self.store.path(&diff),
-            frame.width,
-            frame.height,
-            &false_colour(frame.width, frame.height, &delta, scale),
-        )?;
-        Ok(files([
-            ("exr", exr.into()),
-            ("png", png.into()),
-            ("diff_png", diff.into()),
-            ("diff_scale", DIFF_SCALE.into()),
-        ]))
-    }
 }
 
-fn files<const N: usize>(entries: [(&str, Value); N]) -> Map<String, Value> {
-    entries
-        .into_iter()
-        .map(|(k, v)| (k.to_owned(), v))
-        .collect()
+/// `rel_rmse` of a scene's view steps against four times as many, and the seconds of the passes; see
+/// [`Reference::view_step_rel_rmse`].
+fn view_step_error(task: &Task, view: &View) -> Result<(Option<f64>, f64)> {
+    let camera_m = view.scene.camera.far_m.unwrap_or(f64::INFINITY);
+    let longest_m = view.scene.container.longest_path_m().min(camera_m);
+    let Some(march) = view.scene.march.quartered(longest_m) else {
+        return Ok((None, 0.0));
+    };
+    let mut finer = view.scene.clone();
+    finer.march = march;
+    let light = MethodSetup::defaults("srm")?
+        .with("spacing", "quadratic")?
+        .with("steps", "20")?;
+    let renderer = task.renderer;
+    let (own, own_times) = renderer.render(&view.scene, view.image, &light, &mut unwatched)?;
+    let (finer, finer_times) = renderer.render(&finer, view.image, &light, &mut unwatched)?;
+    let passes_s = (own_times.wall + finer_times.wall) * 1e-3;
+    match compare(&finer, &own) {
+        Ok(comparison) => Ok((Some(comparison.error.rel_rmse), passes_s)),
+        // Nothing of the cloud is lit: there is no error to speak of, and every cell says the same.
+        Err(Error::Input { .. }) => Ok((None, passes_s)),
+        Err(error) => Err(error),
+    }
 }
 
 fn frame_bytes(image: ImageSize) -> u64 {
     u64::from(image.width) * u64::from(image.height) * 32
-}
-
-fn stage(observe: Observer, view: &str, what: &str, share: f64) -> Result<()> {
-    tell(
-        observe,
-        Event::Stage {
-            what: format!("{view}: {what}"),
-            share,
-        },
-    )
 }

@@ -1,12 +1,12 @@
 //! Names and records of cells.
 
 use super::record::{Cell, Times};
-use super::store::Store;
-use super::{Event, Observer, tell};
+use super::{Event, Observer, Task, tell};
 use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::metrics::summarise;
-use crate::raymarch::{PassTimes, Renderer};
+use crate::occlusion::{MethodSetup, find};
+use crate::raymarch::PassTimes;
 use serde_json::{Value, json};
 
 /// Names a view: hash of scene and image.
@@ -23,6 +23,14 @@ fn digest(value: &Value) -> String {
     blake3::hash(value.to_string().as_bytes()).to_hex()[..16].to_owned()
 }
 
+/// The method of a cell with its parameters.
+pub(super) fn setup(spec: &CellSpec) -> Result<MethodSetup> {
+    Ok(MethodSetup {
+        method: find(&spec.method)?,
+        params: spec.params.clone(),
+    })
+}
+
 /// Statistics of each pass over the timed rounds.
 pub(super) fn times(runs: &[PassTimes]) -> Times {
     let stats = |value: fn(&PassTimes) -> Option<f64>| {
@@ -37,8 +45,8 @@ pub(super) fn times(runs: &[PassTimes]) -> Times {
 }
 
 /// A record without numbers.
-pub(super) fn bare_cell(view: &MatrixView, renderer: &Renderer, spec: &CellSpec) -> Cell {
-    let environment = renderer.gpu.environment();
+pub(super) fn bare_cell(task: &Task, view: &MatrixView, spec: &CellSpec) -> Cell {
+    let environment = task.renderer.gpu.environment();
     Cell {
         id: cell_id(view, spec),
         index: spec.index,
@@ -60,17 +68,16 @@ pub(super) fn bare_cell(view: &MatrixView, renderer: &Renderer, spec: &CellSpec)
 
 /// Records why a cell has no numbers, and goes on.
 pub(super) fn record_failure(
+    task: &Task,
     view: &MatrixView,
-    renderer: &Renderer,
-    store: &Store,
     spec: &CellSpec,
     error: &Error,
     observe: Observer,
 ) -> Result<()> {
     let cell = Cell {
         failed: Some(error.to_string()),
-        ..bare_cell(view, renderer, spec)
+        ..bare_cell(task, view, spec)
     };
-    store.put_cell(&cell)?;
+    task.store.put_cell(&cell)?;
     tell(observe, Event::Cell(Box::new(cell)))
 }

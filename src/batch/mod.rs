@@ -3,6 +3,8 @@
 
 mod block;
 mod cell;
+mod flicker;
+mod pictures;
 pub mod record;
 mod store;
 
@@ -39,8 +41,27 @@ pub enum Event {
     Cell(Box<Cell>),
 }
 
+impl Event {
+    fn stage(view: &MatrixView, what: &str, share: f64) -> Self {
+        let (scene, image) = (&view.scene, view.image);
+        let what = format!(
+            "{} {}° {}×{}: {what}",
+            scene.name, scene.sun.elevation_deg, image.width, image.height
+        );
+        Self::Stage { what, share }
+    }
+}
+
 /// Receives events; `Break` stops the batch, finished cells are kept.
 pub type Observer<'a> = &'a mut dyn FnMut(Event) -> ControlFlow<()>;
+
+/// What every view of a batch is measured with.
+struct Task<'a> {
+    experiment: &'a Experiment,
+    renderer: &'a Renderer,
+    store: &'a Store,
+    cache: Option<&'a Path>,
+}
 
 /// Runs what is missing of an experiment in `folder`; returns the report, which is not yet written.
 pub fn run(
@@ -76,8 +97,14 @@ pub fn run(
     }
     let mut passes_s = 0.0;
     let mut outcome = Ok(());
+    let task = Task {
+        experiment,
+        renderer,
+        store: &store,
+        cache,
+    };
     for view in &matrix.views {
-        let ran = block::run_view(experiment, renderer, view, &store, cache, observe);
+        let ran = run_view(&task, view, observe);
         match ran {
             Ok(seconds) => passes_s += seconds,
             Err(error) => {
@@ -93,6 +120,11 @@ pub fn run(
     )?;
     outcome?;
     assemble(&matrix, &store)
+}
+
+/// Timed rounds, then flicker; returns the seconds spent in passes.
+fn run_view(task: &Task, view: &MatrixView, observe: Observer) -> Result<f64> {
+    Ok(block::run_view(task, view, observe)? + flicker::run_view(task, view, observe)?)
 }
 
 /// The report of a folder from its records alone.
@@ -117,6 +149,10 @@ fn assemble(matrix: &Matrix, store: &Store) -> Result<Report> {
         claims: Vec::new(),
         wall: store.state().wall.clone(),
     })
+}
+
+fn stage(observe: Observer, view: &MatrixView, what: &str, share: f64) -> Result<()> {
+    tell(observe, Event::stage(view, what, share))
 }
 
 fn tell(observe: Observer, event: Event) -> Result<()> {
@@ -144,12 +180,4 @@ pub fn report_folder(parent: &Path, name: &str) -> PathBuf {
     } else {
         safe
     })
-}
-
-/// Words for a view: scene, sun, image.
-fn view_name(view: &MatrixView) -> String {
-    format!(
-        "{} {}° {}×{}",
-        view.scene.name, view.scene.sun.elevation_deg, view.image.width, view.image.height
-    )
 }

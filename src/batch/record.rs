@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Environment;
 use crate::metrics::{ErrorNumbers, Stats};
 use crate::raymarch::{Memory, Samples};
-use crate::scene::ImageSize;
+use crate::scene::{ImageSize, Track};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -39,7 +39,7 @@ pub struct Report {
 pub struct WallClock {
     /// From start to report.
     pub total_s: f64,
-    /// Passes on the device: timed runs, discarded runs, truths, counting and floor renders.
+    /// Passes on the device: timed runs, discarded runs, truths, counting, floor and flicker renders, view-step checks.
     pub passes_s: f64,
     /// Shader composition and pipeline compilation.
     pub compile_s: f64,
@@ -65,8 +65,31 @@ pub struct Reference {
     pub view_samples: Option<u64>,
     /// True when it was read from the disk cache (times are those of the run that made it).
     pub cached: bool,
+    /// View steps a ray takes in this scene; `null` when it fixes their length instead.
+    #[serde(default)]
+    pub view_steps: Option<u32>,
+    /// `rel_rmse` of the scene's view steps against steps of a quarter of the length, both shadowed by `srm` with 20
+    /// quadratic steps: what every picture of the scene loses alike, the truth included, so that no cell's error shows it.
+    /// `null` where so many steps exceed the limit or nothing of the cloud is lit.
+    #[serde(default)]
+    pub view_step_rel_rmse: Option<f64>,
+    /// Movements that flicker was measured along.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tracks: Vec<TrackRecord>,
     /// Files relative to the report folder: `exr`, `png`.
     pub files: Map<String, Value>,
+}
+
+/// A movement that flicker was measured along.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrackRecord {
+    /// What moves: `pan` gives `error.flicker`, `sun` gives `error.flicker_sun`.
+    pub track: Track,
+    /// Frames, the view's own included.
+    pub frames: u32,
+    /// Turn of the camera (one pixel of the picture's centre) or change of the sun's elevation a frame, degrees.
+    pub step_deg: f64,
 }
 
 /// One cell of the matrix: a scene rendered by a method at one setting.
@@ -119,6 +142,9 @@ pub struct Measured {
     pub samples: Samples,
     /// Against the truth.
     pub error: ErrorNumbers,
+    /// Numbers that were asked for and could not be had, and why; such a number is `null` and is not tried again.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Files relative to the report folder: `exr`, `png`, `diff_png`.
     pub files: Map<String, Value>,
 }

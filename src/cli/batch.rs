@@ -56,7 +56,7 @@ impl Batch {
             &folder,
             cache.as_deref(),
             &mut |event| {
-                show(&progress, event);
+                show(&progress, quiet, event);
                 ControlFlow::Continue(())
             },
         )?;
@@ -75,20 +75,26 @@ impl Batch {
     }
 }
 
-fn show(progress: &indicatif::ProgressBar, event: Event) {
+fn show(progress: &indicatif::ProgressBar, quiet: bool, event: Event) {
+    // A bar prints nothing where stderr is no terminal, but a log should have these lines too.
+    let line = |text: String| {
+        if !quiet {
+            progress.suspend(|| eprintln!("{text}"));
+        }
+    };
     match event {
         Event::Planned { cells, done } => {
             progress.set_length(cells as u64);
             progress.set_position(done as u64);
         }
-        Event::Note(note) => progress.println(format!("note: {note}")),
+        Event::Note(note) => line(format!("note: {note}")),
         Event::Stage { what, share } => {
             progress.set_message(format!("{what} {:.0} %", share * 100.0))
         }
         Event::Cell(cell) => {
             progress.inc(1);
             if let Some(reason) = &cell.failed {
-                progress.println(format!(
+                line(format!(
                     "failed: {} {} {:?}: {reason}",
                     cell.scene, cell.method, cell.params
                 ));

@@ -65,7 +65,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Ok(code) => code,
         Err(error) if reader_left(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {error}"); // one paragraph: a cause stands in its text
             ExitCode::from(2)
         }
     }

@@ -36,15 +36,26 @@ pub(super) struct Fault {
     pub remedy: String,
 }
 
+impl Fault {
+    fn new(
+        part: Part,
+        pointer: impl Into<String>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self {
+            pointer: pointer.into(),
+            part,
+            problem: problem.into(),
+            remedy: remedy.into(),
+        }
+    }
+}
+
 impl From<Problem> for Fault {
     fn from(problem: Problem) -> Self {
         let remedy = format!("Correct the value; {SCHEMA_HINT}");
-        Self {
-            pointer: problem.pointer,
-            part: Part::Value,
-            problem: problem.message,
-            remedy,
-        }
+        Self::new(Part::Value, problem.pointer, problem.message, remedy)
     }
 }
 
@@ -132,12 +143,7 @@ impl Document {
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Error {
-        self.fault(Fault {
-            pointer: pointer.to_owned(),
-            part: Part::Value,
-            problem: problem.into(),
-            remedy: remedy.into(),
-        })
+        self.fault(Fault::new(Part::Value, pointer, problem, remedy))
     }
 
     /// An error about the key that `pointer` ends with.
@@ -147,12 +153,7 @@ impl Document {
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Error {
-        self.fault(Fault {
-            pointer: pointer.to_owned(),
-            part: Part::Key,
-            problem: problem.into(),
-            remedy: remedy.into(),
-        })
+        self.fault(Fault::new(Part::Key, pointer, problem, remedy))
     }
 
     pub(super) fn fault(&self, fault: Fault) -> Error {

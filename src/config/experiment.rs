@@ -4,16 +4,20 @@
 //! { "name": "quick", "image": {"width": 160, "height": 90}, "runs": 5, "discard": 1,
 //!   "scenes": [{"scene": "scenes/cumulus.json", "set": {"/density/procedural/decks/0/coverage": [0.3, 0.5]}}],
 //!   "sun_elevation_deg": [60, 12],
-//!   "methods": [{"method": "srm", "steps": [6, 10, 20]}] }
+//!   "methods": [{"method": "srm", "steps": [6, 10, 20]}],
+//!   "flicker": ["pan", "sun"] }
 //! ```
 //!
-//! Every value that can vary is one value or a list; lists multiply. A value that is itself an array
+//! `flicker` is optional: each cell is rendered again in 16 frames of a camera pan of one pixel a frame, of a sun that
+//! rises by 1°, or of both, and compared with the truth of each frame ([`Track`]).
+//!
+//! Every other value that can vary is one value or a list; lists multiply. A value that is itself an array
 //! (a position) is varied by a list of arrays.
 
 use super::document::Document;
 use super::locate;
 use crate::error::Result;
-use crate::scene::ImageSize;
+use crate::scene::{ImageSize, Track};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -24,8 +28,8 @@ const SUN_POINTER: &str = "/sun/elevation_deg";
 pub(super) const STEPS_POINTER: &str = "/march/steps";
 /// Largest image side, pixels: what every wgpu adapter can allocate (`Limits::default`).
 const MAX_SIDE: u32 = 8192;
-/// Most timed rounds.
-const MAX_RUNS: u32 = 10_000;
+/// Most timed rounds, and most discarded ones.
+pub(super) const MAX_RUNS: u32 = 10_000;
 
 /// A checked experiment file; [`super::expand`] makes the matrix of it.
 #[derive(Clone, Debug)]
@@ -36,8 +40,11 @@ pub struct Experiment {
     pub images: Vec<ImageSize>,
     /// Timed rounds that count, 1…10 000.
     pub runs: u32,
-    /// Rounds run before them and thrown away, 0…10 000 (compilation, caches, clocks).
+    /// Rounds run before them and thrown away, 1…10 000: the first run of a pipeline also pays for caches and clocks.
     pub discard: u32,
+    /// Movements along which every cell's flicker is measured after its timed rounds; empty = none. Not an axis of the
+    /// matrix: all of them are recorded in one cell.
+    pub flicker: Vec<Track>,
     /// Scenes in file order. Never empty.
     pub scenes: Vec<SceneEntry>,
     /// Method settings in file order; checked against the catalogue by [`super::expand`]. Never empty.
@@ -90,6 +97,8 @@ struct File {
     runs: u32,
     #[serde(default = "default_discard")]
     discard: u32,
+    #[serde(default)]
+    flicker: Option<Value>,
     #[serde(rename = "scenes")]
     _scenes: Value,
     #[serde(default)]
@@ -142,8 +151,10 @@ fn from_document(document: Document) -> Result<Experiment> {
             "Give the experiment a short name.",
         ));
     }
-    check_count(&document, "/runs", file.runs, 1)?;
-    check_count(&document, "/discard", file.discard, 0)?;
+    let enough = "5 timed runs after 1 discarded are enough for a median.";
+    check_count(&document, "/runs", file.runs, enough)?;
+    let first = "At least 1, because the first run of a pipeline also pays for caches and clocks.";
+    check_count(&document, "/discard", file.discard, first)?;
     let shorthands = shorthands(&document, &file)?;
     let each = |pointer: &str| document.one_or_many(pointer);
     Ok(Experiment {
@@ -162,19 +173,32 @@ fn from_document(document: Document) -> Result<Experiment> {
         name: file.name,
         runs: file.runs,
         discard: file.discard,
+        flicker: match file.flicker {
+            None => Vec::new(),
+            Some(_) => flicker(&document)?,
+        },
         document,
     })
 }
 
-fn check_count(document: &Document, pointer: &str, count: u32, min: u32) -> Result<()> {
-    if (min..=MAX_RUNS).contains(&count) {
+fn check_count(document: &Document, pointer: &str, count: u32, remedy: &str) -> Result<()> {
+    if (1..=MAX_RUNS).contains(&count) {
         return Ok(());
     }
-    Err(document.error(
-        pointer,
-        format!("the value is {count}, allowed is {min}…{MAX_RUNS}"),
-        "5 timed runs after 1 discarded are enough for a median.",
-    ))
+    let problem = format!("the value is {count}, allowed is 1…{MAX_RUNS}");
+    Err(document.error(pointer, problem, remedy))
+}
+
+fn flicker(document: &Document) -> Result<Vec<Track>> {
+    let mut tracks = Vec::new();
+    for (place, _) in document.one_or_many("/flicker")? {
+        let track = document.get(&place)?;
+        if tracks.contains(&track) {
+            return Err(document.error(&place, "it is listed twice", "Name each movement once."));
+        }
+        tracks.push(track);
+    }
+    Ok(tracks)
 }
 
 fn shorthands(document: &Document, file: &File) -> Result<Vec<Axis>> {

@@ -1,10 +1,9 @@
 //! One JSON Schema (draft 2020-12) for scene and experiment files, for editors and for `occlab schema`.
 
-use super::experiment::{default_discard, default_runs};
+use super::experiment::{MAX_RUNS, default_discard, default_runs};
 use super::methods::MethodCatalogue;
 use crate::occlusion::param::{ParamKind, ParamSpec};
-use crate::scene::ImageSize;
-use crate::scene::{March, Scene};
+use crate::scene::{ImageSize, March, Scene, Track};
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
@@ -13,6 +12,7 @@ pub fn schema(catalogue: &dyn MethodCatalogue) -> Value {
     let mut generator = SchemaSettings::draft2020_12().into_generator();
     generator.subschema_for::<Scene>();
     generator.subschema_for::<ImageSize>();
+    generator.subschema_for::<Track>();
     let mut definitions = generator.take_definitions(true);
     definitions.insert("Experiment".to_owned(), experiment());
     definitions.insert("SceneEntry".to_owned(), scene_entry());
@@ -36,7 +36,7 @@ fn described(mut schema: Value, description: &str) -> Value {
 }
 
 fn experiment() -> Value {
-    let count = |min: u32, default: u32| json!({"type": "integer", "minimum": min, "maximum": 10_000, "default": default});
+    let count = |default: u32| json!({"type": "integer", "minimum": 1, "maximum": MAX_RUNS, "default": default});
     let elevation = json!({"type": "number", "exclusiveMinimum": 0, "maximum": 90});
     let steps = json!({"type": "integer", "minimum": 1, "maximum": March::MAX_STEPS});
     json!({
@@ -45,11 +45,12 @@ fn experiment() -> Value {
         "properties": {
             "name": {"type": "string", "minLength": 1, "maxLength": 200, "description": "Shown in reports."},
             "image": described(one_or_many(json!({"$ref": "#/$defs/ImageSize"})), "Image size, pixels."),
-            "runs": described(count(1, default_runs()), "Timed rounds that count."),
-            "discard": described(count(0, default_discard()), "Rounds run before them and thrown away."),
+            "runs": described(count(default_runs()), "Timed rounds that count."),
+            "discard": described(count(default_discard()), "Rounds run before them and thrown away."),
             "scenes": described(one_or_many(json!({"$ref": "#/$defs/SceneEntry"})), "Scenes, relative to this file."),
             "sun_elevation_deg": described(one_or_many(elevation), "Replaces /sun/elevation_deg of every scene, degrees."),
             "view_steps": described(one_or_many(steps), "Replaces /march/steps of every scene."),
+            "flicker": described(one_or_many(json!({"$ref": "#/$defs/Track"})), "Measure flicker along these movements of 16 frames: `pan`, the camera turns by one pixel of the picture's centre a frame; `sun`, the sun rises by 1° in all. Each frame has its own truth, so this costs 15 truths a movement and view. Absent: none."),
             "methods": described(one_or_many(json!({"$ref": "#/$defs/Method"})), "Methods and their parameters."),
         },
         "required": ["name", "image", "scenes", "methods"],

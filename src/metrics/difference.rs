@@ -5,7 +5,7 @@ use super::{CLOUD_OPACITY, check_pair};
 use crate::error::Result;
 use crate::frame::{Frame, is_nonfinite, luminance};
 
-/// ΔL of each channel of the sun-lit radiance, three values a pixel, unit of radiance: the input of [`super::flicker`].
+/// ΔL of each channel of the sun-lit radiance, three values a pixel, unit of radiance: the input of [`super::Flicker`].
 ///
 /// NaN outside the reference's cloud pixels ("no value"); a NaN or infinite channel of the test is read as 0, as in
 /// [`super::compare`].

@@ -69,7 +69,7 @@ pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear> {
 
 /// Mean L: the reference's sun-lit radiance averaged over the RGB channels of its cloud pixels, > 0, unit of radiance.
 ///
-/// It is the scale of `p99_abs`, `max_abs`, [`super::flicker`] and of a false-colour picture. A reference without cloud
+/// It is the scale of `p99_abs`, `max_abs`, [`super::Flicker`] and of a false-colour picture. A reference without cloud
 /// pixels or without sunlight on them is an [`Error::Input`].
 pub fn mean_sun(reference: &Frame) -> Result<f64> {
     let (mut sum, mut channels) = (0.0, 0_usize);

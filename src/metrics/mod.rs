@@ -9,6 +9,7 @@
 //!   without sunlight on them, since relative errors would have no scale.
 
 mod difference;
+mod flicker;
 mod linear;
 mod numbers;
 mod perceptual;
@@ -16,10 +17,11 @@ mod ssim;
 mod stats;
 
 pub use difference::{delta_luminance, delta_rgb};
+pub use flicker::Flicker;
 pub use linear::mean_sun;
 pub use numbers::ErrorNumbers;
 pub use perceptual::PIXELS_PER_DEGREE;
-pub use stats::{Stats, flicker, summarise};
+pub use stats::{Stats, summarise};
 
 use crate::error::{Error, Result};
 use crate::frame::{Exposure, Frame, is_nonfinite, tone_map};
@@ -30,7 +32,7 @@ pub const CLOUD_OPACITY: f32 = 0.01;
 /// What [`compare`] finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// The numbers; `floor_rel_rmse` and `flicker` are `None`, one picture cannot tell them.
+    /// The numbers; `floor_rel_rmse`, `flicker` and `flicker_sun` are `None`, one picture cannot tell them.
     pub error: ErrorNumbers,
     /// Cloud pixels / pixels, in `(0, 1]`.
     pub cloud_pixel_fraction: f64,

@@ -23,8 +23,11 @@ pub struct ErrorNumbers {
     pub transmittance_rmse: f64,
     /// `rel_rmse` of the uncompressed column at the same steps and texels; `null` for methods without a map.
     pub floor_rel_rmse: Option<f64>,
-    /// RMS frame-to-frame change of ΔL / mean L over a camera pan; `null` when the experiment has none.
+    /// RMS frame-to-frame change of ΔL / mean L over a camera pan of 16 frames, one pixel a frame (which
+    /// carries even a steady error along); `null` when the experiment asks for none.
     pub flicker: Option<f64>,
+    /// The same while the sun rises by 1° in 16 frames and the camera rests.
+    pub flicker_sun: Option<f64>,
     /// Mean FLIP (LDR, 67 pixels a degree).
     pub flip_mean: f64,
     /// 99th percentile of FLIP.

@@ -1,4 +1,4 @@
-//! Numbers of a sample of times, and flicker over a sequence of frames.
+//! Numbers of a sample of times.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,6 @@ pub struct Stats {
     /// Number of samples.
     pub n: usize,
 }
-use crate::error::{Error, Result};
 use crate::frame::nearest_rank;
 
 /// Summarises a sample (times in ms, or any unit); `None` when it is empty or holds a NaN or an infinity.
@@ -43,42 +42,6 @@ pub fn summarise(values: &[f64]) -> Option<Stats> {
         p95: nearest_rank(&mut sorted, 0.95)?,
         n,
     })
-}
-
-/// Flicker: √mean (Δₜ − Δₜ₋₁)² / mean L over consecutive frames and all values of a frame; ≥ 0, dimensionless.
-///
-/// `deltas` holds ΔL of each frame against its own truth ([`super::delta_rgb`]), `mean` is mean L over the truths
-/// ([`super::mean_sun`]). A constant error does not flicker. NaN means "no value": a pair with one is left out, so
-/// that sky does not dilute the number. Fewer than two frames, frames of different lengths, no pair with
-/// values, or a mean that is not positive is an [`Error::Input`].
-pub fn flicker(deltas: &[Vec<f32>], mean: f64) -> Result<f64> {
-    let refuse = |problem: &str| {
-        Err(Error::input(
-            "flicker",
-            problem,
-            "Render a pan of two frames or more of a cloud.",
-        ))
-    };
-    if !(mean.is_finite() && mean > 0.0) {
-        return refuse("the truths hold no sunlight");
-    }
-    if deltas.windows(2).any(|pair| pair[0].len() != pair[1].len()) {
-        return refuse("the frames differ in size");
-    }
-    let (mut sum, mut count) = (0.0, 0_u64);
-    for pair in deltas.windows(2) {
-        for (before, after) in pair[0].iter().zip(&pair[1]) {
-            let change = f64::from(*after) - f64::from(*before);
-            if change.is_finite() {
-                sum += change * change;
-                count += 1;
-            }
-        }
-    }
-    if count == 0 {
-        return refuse("no pixel shows the cloud in two consecutive frames");
-    }
-    Ok((sum / count as f64).sqrt() / mean)
 }
 
 #[cfg(test)]
@@ -114,40 +77,5 @@ mod tests {
         assert_eq!(summarise(&[]), None);
         assert_eq!(summarise(&[1.0, f64::NAN]), None);
         assert_eq!(summarise(&[f64::INFINITY]), None);
-    }
-
-    #[test]
-    fn constant_error_does_not_flicker_and_alternation_does() {
-        assert_eq!(flicker(&vec![vec![0.3; 12]; 16], 0.5).unwrap(), 0.0);
-        let alternating: Vec<Vec<f32>> = (0..16)
-            .map(|t| vec![if t % 2 == 0 { 0.25 } else { -0.25 }; 12])
-            .collect();
-        assert_eq!(flicker(&alternating, 0.5).unwrap(), 1.0);
-        // One change of 1 in two steps of two pixels: √(1/4) / 2.
-        assert_eq!(
-            flicker(&[vec![0.0, 0.0], vec![1.0, 0.0], vec![1.0, 0.0]], 2.0).unwrap(),
-            0.25
-        );
-    }
-
-    #[test]
-    fn absent_values_do_not_dilute() {
-        let frames = [vec![0.0, f32::NAN], vec![1.0, 5.0], vec![2.0, f32::NAN]];
-        assert_eq!(flicker(&frames, 1.0).unwrap(), 1.0);
-    }
-
-    #[test]
-    fn flicker_without_a_meaning_is_an_error() {
-        let frame = vec![0.0; 4];
-        for (deltas, mean) in [
-            (vec![], 1.0),
-            (vec![frame.clone()], 1.0),
-            (vec![frame.clone(), vec![0.0; 3]], 1.0),
-            (vec![vec![f32::NAN; 4]; 3], 1.0),
-            (vec![frame.clone(); 2], 0.0),
-            (vec![frame.clone(); 2], f64::NAN),
-        ] {
-            assert!(matches!(flicker(&deltas, mean), Err(Error::Input { .. })));
-        }
     }
 }

@@ -170,18 +170,23 @@ impl MethodInfo {
 
 /// The registered method `id`; the error lists what exists.
 pub fn find(id: &str) -> Result<&'static dyn LightOcclusion> {
-    let ids: Vec<_> = REGISTRY.iter().map(|m| m.info().id).collect();
-    REGISTRY
-        .iter()
-        .find(|m| m.info().id == id)
-        .copied()
-        .ok_or_else(|| {
-            Error::input(
-                "method",
-                format!("there is no method `{id}`"),
-                format!("Choose one of: {}.", ids.join(", ")),
-            )
-        })
+    let found = REGISTRY.iter().find(|m| m.info().id == id).copied();
+    found.ok_or_else(|| {
+        let problem = format!("there is no method `{id}`");
+        Error::input("method", problem, one_of(ids()))
+    })
+}
+
+/// Ids of the registry, in its order.
+fn ids() -> impl Iterator<Item = &'static str> {
+    REGISTRY.iter().map(|m| m.info().id)
+}
+
+fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    match names.collect::<Vec<_>>().join(", ") {
+        none if none.is_empty() => "It has none.".to_owned(),
+        names => format!("Choose one of: {names}."),
+    }
 }
 
 impl MethodSetup {
@@ -198,17 +203,9 @@ impl MethodSetup {
     pub fn with(mut self, name: &str, text: &str) -> Result<Self> {
         let info = self.method.info();
         let Some(spec) = info.specs().find(|s| s.name == name) else {
-            let names: Vec<_> = info.specs().map(|s| s.name).collect();
-            let choice = if names.is_empty() {
-                "It has none.".to_owned()
-            } else {
-                format!("Choose one of: {}.", names.join(", "))
-            };
-            return Err(Error::input(
-                "--set",
-                format!("`{}` has no parameter `{name}`", info.id),
-                choice,
-            ));
+            let problem = format!("`{}` has no parameter `{name}`", info.id);
+            let remedy = one_of(info.specs().map(|s| s.name));
+            return Err(Error::input("--set", problem, remedy));
         };
         let value = spec.parse_text(text).map_err(|problem| {
             Error::input("--set", problem, "`occlab methods` lists what is allowed.")
@@ -234,13 +231,10 @@ pub struct Registry;
 
 impl crate::config::MethodCatalogue for Registry {
     fn ids(&self) -> Vec<&str> {
-        REGISTRY.iter().map(|m| m.info().id).collect()
+        ids().collect()
     }
 
     fn params(&self, id: &str) -> Option<Vec<&'static ParamSpec>> {
-        REGISTRY
-            .iter()
-            .find(|m| m.info().id == id)
-            .map(|m| m.info().specs().collect())
+        find(id).ok().map(|m| m.info().specs().collect())
     }
 }

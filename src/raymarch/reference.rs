@@ -1,4 +1,7 @@
 //! The truth of a view: rendered once, kept on disk under a hash of everything that determines it, never stale.
+//!
+//! An entry is two files: the picture, and a sheet with what it took and a checksum of both. Whatever does not agree with
+//! its checksum is rendered again, and a cache that cannot be written costs time but no result.
 
 use super::cost::Samples;
 use super::{Progress, Renderer, View};
@@ -8,7 +11,7 @@ use crate::frame::{Frame, read_frame, write_frame};
 use crate::gpu::sources_hash;
 use crate::occlusion::MethodSetup;
 use serde::{Deserialize, Serialize};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// A truth and what it took.
@@ -21,6 +24,20 @@ pub struct Truth {
     pub cost: TruthCost,
     /// Read from the disk.
     pub cached: bool,
+    /// What went wrong with the cache, for the person who runs the batch; the truth itself is good.
+    pub note: Option<String>,
+}
+
+impl Truth {
+    /// Seconds that this call spent in passes: 0 from the cache. Counting takes as long as rendering.
+    pub fn passes_s(&self) -> f64 {
+        let renders = match self.cached {
+            true => 0.0,
+            false if self.cost.samples.is_some() => 2.0,
+            false => 1.0,
+        };
+        renders * self.cost.wall_ms * 1e-3
+    }
 }
 
 /// What rendering a truth took.
@@ -30,8 +47,25 @@ pub struct TruthCost {
     pub march_ms: Option<f64>,
     /// Submission to completion, ms.
     pub wall_ms: f64,
-    /// Density samples.
-    pub samples: Samples,
+    /// Density samples; `None` when nobody asked for them.
+    pub samples: Option<Samples>,
+}
+
+/// Whether the density samples of a truth are wanted: counting them takes a second render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counting {
+    /// Render and count.
+    On,
+    /// Only render.
+    Off,
+}
+
+/// Second file of an entry.
+#[derive(Serialize, Deserialize)]
+struct Sheet {
+    cost: TruthCost,
+    /// Of the picture's file and `cost`, see [`checksum`].
+    checksum: String,
 }
 
 /// The folder for truths: `OCCLAB_CACHE`, or the user's cache folder.
@@ -42,40 +76,76 @@ pub fn cache_folder() -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "occlab").map(|dirs| dirs.cache_dir().join("truth"))
 }
 
-/// The truth of `view`, from `cache` when it is there.
+/// The truth of `view`, from `cache` when a whole entry is there.
 pub fn truth(
     renderer: &Renderer,
     view: &View,
     cache: Option<&Path>,
+    counting: Counting,
     progress: Progress,
 ) -> Result<Truth> {
     let id = truth_id(renderer, view);
-    if let Some(found) = cache.and_then(|folder| read(folder, &id, view)) {
-        return Ok(found);
-    }
-    let setup =
-        MethodSetup::defaults("truth")?.with("step_m", &view.scene.truth_step_m().to_string())?;
-    let times = renderer
-        .prepare(view, &setup)?
-        .run(&renderer.gpu, progress)?;
-    let frame = view.read(&renderer.gpu)?;
-    let counting = renderer.prepare_counting(view, &setup)?;
-    counting.run(&renderer.gpu, progress)?;
-    let samples = counting.counts(&renderer.gpu)?.samples;
-    let cost = TruthCost {
-        march_ms: times.march,
-        wall_ms: times.wall,
-        samples,
-    };
+    let mut note = None;
     if let Some(folder) = cache {
-        write(folder, &id, &frame, &cost)?;
+        match read(folder, &id, view) {
+            Ok(Some((frame, cost))) if cost.samples.is_some() || counting == Counting::Off => {
+                return Ok(Truth {
+                    id,
+                    frame,
+                    cost,
+                    cached: true,
+                    note,
+                });
+            }
+            Ok(_) => {}
+            Err(problem) => {
+                note = Some(format!(
+                    "a cached truth was no longer good and is rendered again: {problem}"
+                ));
+            }
+        }
+    }
+    let (frame, cost) = render(renderer, view, counting, progress)?;
+    if let Some(folder) = cache
+        && let Err(problem) = write(folder, &id, &frame, &cost)
+    {
+        note = Some(format!("a truth is not kept for the next run: {problem}"));
     }
     Ok(Truth {
         id,
         frame,
         cost,
         cached: false,
+        note,
     })
+}
+
+fn render(
+    renderer: &Renderer,
+    view: &View,
+    counting: Counting,
+    progress: Progress,
+) -> Result<(Frame, TruthCost)> {
+    let setup =
+        MethodSetup::defaults("truth")?.with("step_m", &view.scene.truth_step_m().to_string())?;
+    let times = renderer
+        .prepare(view, &setup)?
+        .run(&renderer.gpu, progress)?;
+    let frame = view.read(&renderer.gpu)?;
+    let samples = match counting {
+        Counting::Off => None,
+        Counting::On => {
+            let counting = renderer.prepare_counting(view, &setup)?;
+            counting.run(&renderer.gpu, progress)?;
+            Some(counting.counts(&renderer.gpu)?.samples)
+        }
+    };
+    let cost = TruthCost {
+        march_ms: times.march,
+        wall_ms: times.wall,
+        samples,
+    };
+    Ok((frame, cost))
 }
 
 fn truth_id(renderer: &Renderer, view: &View) -> String {
@@ -100,27 +170,54 @@ fn paths(folder: &Path, id: &str) -> (PathBuf, PathBuf) {
     )
 }
 
-/// A complete entry of the right size; anything else is rendered again.
-fn read(folder: &Path, id: &str, view: &View) -> Option<Truth> {
-    let (picture, facts) = paths(folder, id);
-    let cost = serde_json::from_slice(&std::fs::read(facts).ok()?).ok()?;
-    let frame = read_frame(&picture).ok()?;
-    let fits = frame.width == view.image.width && frame.height == view.image.height;
-    fits.then(|| Truth {
-        id: id.to_owned(),
-        frame,
+/// A whole entry; `None` when there is none (a picture without its sheet is one that was being written).
+fn read(folder: &Path, id: &str, view: &View) -> Result<Option<(Frame, TruthCost)>> {
+    let (picture, sheet) = paths(folder, id);
+    let text = match std::fs::read(&sheet) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        other => other.map_err(Error::reading(&sheet))?,
+    };
+    let unusable = |path: &Path, problem: &str| {
+        Error::input(path.display().to_string(), problem, "Nothing to do.")
+    };
+    let Sheet {
         cost,
-        cached: true,
+        checksum: kept,
+    } = serde_json::from_slice(&text).map_err(|e| unusable(&sheet, &e.to_string()))?;
+    let bytes = std::fs::read(&picture).map_err(Error::reading(&picture))?;
+    if checksum(&bytes, &cost) != kept {
+        return Err(unusable(
+            &picture,
+            "its content does not agree with its checksum",
+        ));
+    }
+    let frame = read_frame(&picture)?;
+    if (frame.width, frame.height) != (view.image.width, view.image.height) {
+        return Err(unusable(&picture, "it has another size"));
+    }
+    Ok(Some((frame, cost)))
+}
+
+/// The picture first: an entry counts only with its sheet.
+fn write(folder: &Path, id: &str, frame: &Frame, cost: &TruthCost) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(Error::writing(folder))?;
+    let (picture, sheet) = paths(folder, id);
+    write_frame(&picture, frame)?;
+    let bytes = std::fs::read(&picture).map_err(Error::reading(&picture))?;
+    let content = Sheet {
+        cost: *cost,
+        checksum: checksum(&bytes, cost),
+    };
+    let text = serde_json::to_vec_pretty(&content).map_err(|e| Error::writing(&sheet)(e.into()))?;
+    write_atomic(&sheet, |file| {
+        file.write_all(&text).map_err(Error::writing(&sheet))
     })
 }
 
-/// The picture first: an entry counts only with its facts.
-fn write(folder: &Path, id: &str, frame: &Frame, cost: &TruthCost) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(Error::writing(folder))?;
-    let (picture, facts) = paths(folder, id);
-    write_frame(&picture, frame)?;
-    let text = serde_json::to_vec_pretty(cost).map_err(|e| Error::writing(&facts)(e.into()))?;
-    write_atomic(&facts, |file| {
-        file.write_all(&text).map_err(Error::writing(&facts))
-    })
+/// Hash of a picture's file and of what it took, 64 hexadecimal digits.
+fn checksum(picture: &[u8], cost: &TruthCost) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(picture);
+    hasher.update(format!("{cost:?}").as_bytes());
+    hasher.finalize().to_hex().to_string()
 }

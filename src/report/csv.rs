@@ -108,9 +108,11 @@ fn measurements() -> Vec<String> {
         error: ErrorNumbers {
             floor_rel_rmse: Some(0.0),
             flicker: Some(0.0),
+            flicker_sun: Some(0.0),
             psnr_db: Some(0.0),
             ..ErrorNumbers::default()
         },
+        notes: Vec::new(),
         files: Map::new(),
     };
     let mut names = Vec::new();

@@ -139,6 +139,9 @@ fn references() -> Vec<Reference> {
                 light_samples: Some(3_812_345_678),
                 view_samples: Some(12_345_678),
                 cached: l == 1,
+                view_steps: Some(64),
+                view_step_rel_rmse: (l == 0).then_some(0.021),
+                tracks: Vec::new(),
                 files: map(
                     json!({"png": format!("images/truth-{s}-{l}.png"), "exr": format!("images/truth-{s}-{l}.exr")}),
                 ),
@@ -200,6 +203,7 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
                 map: values * 1000,
             },
             error: errors(rel_rmse, *values > 0),
+            notes: Vec::new(),
             files: map(json!({
                 "png": format!("images/cell-{index}.png"), "diff_png": format!("images/cell-{index}-diff.png"),
                 "exr": format!("images/cell-{index}.exr"), "diff_scale": 0.5,
@@ -219,6 +223,7 @@ fn errors(rel_rmse: f64, has_map: bool) -> ErrorNumbers {
         transmittance_rmse: 0.5 * rel_rmse,
         floor_rel_rmse: has_map.then_some(0.07),
         flicker: None,
+        flicker_sun: None,
         flip_mean: (0.2 * rel_rmse).min(1.0),
         flip_p99: (0.5 * rel_rmse).min(1.0),
         psnr_db: Some(20.0 - 8.7 * rel_rmse.ln()),

@@ -61,7 +61,7 @@ fn fail_non_finite(cell: &mut Cell) {
 }
 
 /// Fields a record may leave empty: their `null` is no failure.
-const OPTIONAL: [&str; 8] = [
+const OPTIONAL: [&str; 9] = [
     "memory.allocator_bytes",
     "time_ms.generate",
     "time_ms.march",
@@ -69,6 +69,7 @@ const OPTIONAL: [&str; 8] = [
     "time_ms.wall",
     "error.floor_rel_rmse",
     "error.flicker",
+    "error.flicker_sun",
     "error.psnr_db",
 ];
 

@@ -54,6 +54,19 @@ impl March {
         }
     }
 
+    /// The same with steps of a quarter of the length, to see how much of a picture its own steps lose; `None` when a ray
+    /// of `longest_m` would then take more than [`March::MAX_STEPS`].
+    pub fn quartered(&self, longest_m: f64) -> Option<Self> {
+        let steps = self.steps.saturating_mul(4);
+        let step_m = self.step_m.map(|step_m| step_m / 4.0);
+        let taken = step_m.map_or(f64::from(steps), |step_m| (longest_m / step_m).ceil());
+        (taken <= f64::from(Self::MAX_STEPS)).then(|| Self {
+            steps,
+            step_m,
+            ..self.clone()
+        })
+    }
+
     pub(super) fn validate(&self) -> Result<(), Problem> {
         check("/march/steps", f64::from(self.steps), "1…4096", |v| {
             v >= 1.0 && v <= f64::from(Self::MAX_STEPS)
@@ -61,5 +74,25 @@ impl March {
         self.step_m.map_or(Ok(()), |v| {
             check("/march/step_m", v, "above 0 m", |v| v > 0.0)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_of_the_step_within_the_limit() {
+        let march = |steps, step_m| March {
+            steps,
+            step_m,
+            ..March::default()
+        };
+        let finer = |steps, step_m| march(steps, step_m).quartered(1e4);
+        assert_eq!(finer(64, None), Some(march(256, None)));
+        assert_eq!(finer(1024, None), Some(march(4096, None)));
+        assert_eq!(finer(1025, None), None);
+        assert_eq!(finer(64, Some(40.0)), Some(march(256, Some(10.0))));
+        assert_eq!(finer(64, Some(8.0)), None, "5000 steps");
     }
 }

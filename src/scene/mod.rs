@@ -9,6 +9,7 @@ mod geometry;
 mod light;
 mod march;
 mod preetham;
+mod track;
 
 pub use camera::{Camera, ImageSize};
 pub use container::Container;
@@ -17,6 +18,7 @@ pub use geometry::Intervals;
 pub use light::{Ambient, Lobe, Medium, Sky, Sun};
 pub use march::{Integration, March};
 pub use preetham::{PerezSky, SkyModel};
+pub use track::Track;
 
 use crate::error::{Error, Result};
 use schemars::JsonSchema;

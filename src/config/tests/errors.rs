@@ -17,6 +17,23 @@ fn bad_experiment_members_are_located() {
     has(&error("runs", "0"), &["(at /runs)", "1…10000"]);
     has(&error("runs", "-1"), &["(at /runs)"]);
     has(&error("discard", "1.5"), &["(at /discard)"]);
+    has(
+        &error("discard", "0"),
+        &[
+            "e.json:1:93 (at /discard)",
+            "1…10000",
+            "the first run of a pipeline",
+        ],
+    );
+    has(&error("flicker", "[]"), &["(at /flicker)", "empty"]);
+    has(
+        &error("flicker", "[\"pan\", \"sum\"]"),
+        &["(at /flicker/1)", "Did you mean `sun`?"],
+    );
+    has(
+        &error("flicker", "[\"pan\", \"pan\"]"),
+        &["(at /flicker/1)", "twice"],
+    );
     has(&error("image", "[]"), &["(at /image)", "empty"]);
     has(
         &error("image", r#"{"width": 0, "height": 9}"#),

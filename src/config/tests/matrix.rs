@@ -159,6 +159,15 @@ fn the_schema_names_every_method_and_every_reference_resolves() {
             "{reference} does not resolve"
         );
     }
+    let members = &schema["$defs"]["Experiment"]["properties"];
+    assert_eq!(
+        (&members["runs"]["minimum"], &members["discard"]["minimum"]),
+        (&json!(1), &json!(1))
+    );
+    assert_eq!(
+        members["flicker"]["anyOf"][0],
+        json!({"$ref": "#/$defs/Track"})
+    );
     let srm = &schema["$defs"]["Method"]["anyOf"][2];
     assert_eq!(
         (&srm["title"], &srm["additionalProperties"]),

@@ -7,7 +7,7 @@ use super::parts::{self, cell, heading};
 use maud::{Markup, html};
 
 /// Columns with their units, in order.
-const COLUMNS: [(&str, &str); 35] = [
+const COLUMNS: [(&str, &str); 36] = [
     ("#", ""),
     ("Scene", ""),
     ("Sun", "°"),
@@ -25,7 +25,8 @@ const COLUMNS: [(&str, &str); 35] = [
     ("FLIP p99", "1"),
     ("PSNR", "dB"),
     ("SSIM", "1"),
-    ("Flicker", "mean L"),
+    ("Flicker, pan", "mean L"),
+    ("Flicker, sun", "mean L"),
     ("Not finite", "channels"),
     ("Total", "ms"),
     ("min", "ms"),
@@ -108,6 +109,7 @@ fn errors(shot: &Shot<'_>) -> Markup {
         (cell(e.psnr_db, number))
         (cell(Some(e.ssim), number))
         (cell(e.flicker, number))
+        (cell(e.flicker_sun, number))
         (cell(Some(e.nonfinite as f64), |_| e.nonfinite.to_string()))
     }
 }

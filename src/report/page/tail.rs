@@ -69,7 +69,7 @@ pub fn references(view: &View<'_>) -> Markup {
     let head = html! {
         @for (name, unit) in [
             ("Scene", ""), ("Sun", "°"), ("Image", "px"), ("March", "ms"), ("View samples", ""), ("Light samples", ""),
-            ("Throughput", "Msamples/s"), ("Time ÷ srm, 10 steps", "1"), ("Source", ""),
+            ("Throughput", "Msamples/s"), ("Time ÷ srm, 10 steps", "1"), ("View-step error", "1"), ("Source", ""),
         ] { (parts::heading(name, unit, !["Scene", "Source"].contains(&name))) }
     };
     let body = html! {
@@ -83,12 +83,13 @@ pub fn references(view: &View<'_>) -> Markup {
                 (cell(reference.light_samples.map(|n| n as f64), |n| count(n as u64)))
                 (cell(throughput(reference), number))
                 (cell(times_srm10(view, reference), |r| format!("{} ×", number(r))))
+                (cell(reference.view_step_rel_rmse, number))
                 td { @if reference.cached { "cache" } @else { "this run" } }
             }
         }
     };
-    let caption =
-        "The 1000-step truths. Times from the cache are those of the run that made the picture.";
+    let caption = "The 1000-step truths. Times from the cache are those of the run that made the picture. View-step error: \
+        rel_rmse of the scene's view steps against four times as many; truth and methods share it, so no cell shows it.";
     html! {
         section #references {
             h2 { "Truths" }
@@ -169,7 +170,7 @@ pub fn wall(view: &View<'_>) -> Markup {
         (
             "Passes",
             seconds(w.passes_s),
-            "on the device: timed and discarded runs, truths, counting, floor",
+            "on the device: timed and discarded runs, truths, counting, floor, flicker, view steps",
         ),
         ("Compilation", seconds(w.compile_s), "shaders and pipelines"),
         (
@@ -250,7 +251,7 @@ const DEFINITIONS: [(&str, &str); 22] = [
     ),
     (
         "flicker",
-        "RMS frame-to-frame change of ΔL over a camera pan, in units of mean L; n/a without a pan",
+        "RMS frame-to-frame change of ΔL in units of mean L, over 16 frames of a pan of one pixel a frame, and of a sun that rises by 1°; the pan carries even a steady error along, the sun does not; n/a where the experiment asks for none",
     ),
     (
         "not finite",

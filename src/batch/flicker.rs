@@ -1,0 +1,192 @@
+//! Flicker of the recorded cells of one view: every frame of a movement against that frame's own truth.
+//!
+//! Runs after the timed rounds. A cell's number joins its record when the movement is over, so that a killed run has
+//! lost no cell; the truths of the frames it has seen are in the cache.
+
+use super::cell::{cell_id, setup};
+use super::record::{Cell, Measured, TrackRecord};
+use super::{Event, Observer, Task, stage, tell};
+use crate::config::{CellSpec, View as MatrixView};
+use crate::error::{Error, Result};
+use crate::metrics::{ErrorNumbers, Flicker};
+use crate::occlusion::MethodSetup;
+use crate::raymarch::reference::{Counting, Truth, truth};
+use crate::raymarch::{View, unwatched};
+use crate::scene::Track;
+
+/// A cell on the move: its number so far, or why it has none.
+struct Case {
+    cell: Cell,
+    setup: MethodSetup,
+    flicker: Result<Flicker, String>,
+}
+
+/// What the experiment moves in this view, for the record.
+pub(super) fn tracks(task: &Task, matrix: &MatrixView) -> Vec<TrackRecord> {
+    let record = |track: &Track| TrackRecord {
+        track: *track,
+        frames: Track::FRAMES,
+        step_deg: track.step_deg(&matrix.scene, matrix.image),
+    };
+    task.experiment.flicker.iter().map(record).collect()
+}
+
+/// Measures what the records of a view still lack; returns the seconds spent in passes.
+pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> Result<f64> {
+    let mut passes_s = 0.0;
+    for track in &task.experiment.flicker {
+        let mut cases = Vec::new();
+        for spec in &matrix.cells {
+            cases.extend(open_case(task, matrix, spec, *track)?);
+        }
+        if cases.is_empty() {
+            continue;
+        }
+        passes_s += run_track(task, matrix, *track, &mut cases, observe)?;
+        for case in cases {
+            record(task, case, *track, observe)?;
+        }
+    }
+    Ok(passes_s)
+}
+
+/// The cell, when it has numbers but neither this one nor a note why not.
+fn open_case(
+    task: &Task,
+    matrix: &MatrixView,
+    spec: &CellSpec,
+    track: Track,
+) -> Result<Option<Case>> {
+    let mut cell = task.store.cell(&cell_id(matrix, spec))?;
+    let noted = |result: &Measured| {
+        let start = note(track, "");
+        result.notes.iter().any(|note| note.starts_with(&start))
+    };
+    let open = cell
+        .result
+        .as_mut()
+        .is_some_and(|result| number(&mut result.error, track).is_none() && !noted(result));
+    Ok(if open {
+        Some(Case {
+            cell,
+            setup: setup(spec)?,
+            flicker: Ok(Flicker::default()),
+        })
+    } else {
+        None
+    })
+}
+
+/// Renders all frames of a movement with all cases.
+fn run_track(
+    task: &Task,
+    matrix: &MatrixView,
+    track: Track,
+    cases: &mut [Case],
+    observe: Observer,
+) -> Result<f64> {
+    let mut passes_s = 0.0;
+    for frame in 0..Track::FRAMES {
+        let scene = track.scene(&matrix.scene, matrix.image, frame);
+        let what = format!("flicker, {} {}/{}", track.name(), frame + 1, Track::FRAMES);
+        stage(observe, matrix, &what, 0.0)?;
+        let prepared = task
+            .renderer
+            .view(&scene, matrix.image)
+            .and_then(|view| Ok((frame_truth(task, matrix, &view, &what, observe)?, view)));
+        match prepared {
+            Ok((truth, view)) => {
+                passes_s += truth.passes_s();
+                for case in &mut *cases {
+                    passes_s += run_case(task, &view, &truth, case)?;
+                }
+            }
+            Err(error) if error.concerns_one_cell() => {
+                for case in &mut *cases {
+                    case.flicker = Err(error.to_string());
+                }
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(passes_s)
+}
+
+fn frame_truth(
+    task: &Task,
+    matrix: &MatrixView,
+    view: &View,
+    what: &str,
+    observe: Observer,
+) -> Result<Truth> {
+    let mut progress = |share| observe(Event::stage(matrix, what, share));
+    let truth = truth(
+        task.renderer,
+        view,
+        task.cache,
+        Counting::Off,
+        &mut progress,
+    )?;
+    if let Some(note) = &truth.note {
+        tell(observe, Event::Note(note.clone()))?;
+    }
+    Ok(truth)
+}
+
+/// One frame of one case; returns the seconds of its passes.
+fn run_case(task: &Task, view: &View, truth: &Truth, case: &mut Case) -> Result<f64> {
+    let Ok(flicker) = &mut case.flicker else {
+        return Ok(0.0);
+    };
+    let gpu = &task.renderer.gpu;
+    let mut add = || -> Result<f64> {
+        let times = task
+            .renderer
+            .prepare(view, &case.setup)?
+            .run(gpu, &mut unwatched)?;
+        flicker.add(&truth.frame, &view.read(gpu)?)?;
+        Ok(times.wall * 1e-3)
+    };
+    match add() {
+        Err(error) if error.concerns_one_cell() => {
+            case.flicker = Err(error.to_string());
+            Ok(0.0)
+        }
+        other => other,
+    }
+}
+
+/// Adds the number, or why there is none, to the cell's record.
+fn record(task: &Task, case: Case, track: Track, observe: Observer) -> Result<()> {
+    let Case {
+        mut cell, flicker, ..
+    } = case;
+    let value = flicker.and_then(|f| f.value().map_err(|e: Error| e.to_string()));
+    let Some(result) = &mut cell.result else {
+        return Ok(());
+    };
+    match value {
+        Ok(value) => *number(&mut result.error, track) = Some(value),
+        Err(reason) => {
+            let note = note(track, &reason);
+            tell(
+                observe,
+                Event::Note(format!("{} {}: {note}", cell.scene, cell.method)),
+            )?;
+            result.notes.push(note);
+        }
+    }
+    task.store.put_cell(&cell)
+}
+
+/// The number that a movement gives.
+fn number(error: &mut ErrorNumbers, track: Track) -> &mut Option<f64> {
+    match track {
+        Track::Pan => &mut error.flicker,
+        Track::Sun => &mut error.flicker_sun,
+    }
+}
+
+fn note(track: Track, reason: &str) -> String {
+    format!("flicker, {}: {reason}", track.name())
+}
