@@ -6,6 +6,7 @@ mod program;
 
 use program::{batch, cells, experiment, modified, occlab, refused, report, stderr, workplace};
 use serde_json::{Value, json};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 #[test]

@@ -34,7 +34,10 @@ pub(super) fn build(gpu: &Gpu, scene: &Scene, volume: &Volume) -> Result<Density
     };
     let occupancy = occupancy_of(&grid, min_m, max_m);
     let mut inputs = Inputs::default();
-    inputs.resource("volume", Resource::View(upload(gpu, &grid)));
+    let format = wgpu::TextureFormat::R32Float;
+    let values = bytemuck::cast_slice(&grid.values);
+    let volume = gpu.texture_3d("volume", format, grid.size, values);
+    inputs.resource("volume", Resource::View(volume));
     inputs.uniform(
         "field",
         [
@@ -54,37 +57,6 @@ pub(super) fn build(gpu: &Gpu, scene: &Scene, volume: &Volume) -> Result<Density
         },
         content_hash: grid.hash.to_string(),
     })
-}
-
-fn upload(gpu: &Gpu, grid: &Grid) -> wgpu::TextureView {
-    let [width, height, depth] = grid.size;
-    let size = wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: depth,
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("volume"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D3,
-        format: wgpu::TextureFormat::R32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(4 * width),
-        rows_per_image: Some(height),
-    };
-    gpu.queue.write_texture(
-        texture.as_image_copy(),
-        bytemuck::cast_slice(&grid.values),
-        layout,
-        size,
-    );
-    texture.create_view(&Default::default())
 }
 
 /// A cell is occupied when any voxel that its samples may touch is: trilinear support plus a guard for rounding.

@@ -59,36 +59,15 @@ impl Occupancy {
 
     /// Uniform, texture and sampler for `shared/occupancy.wgsl`.
     pub fn upload(&self, gpu: &Gpu, inputs: &mut Inputs) {
-        let [width, height, depth] = self.size.map(|n| n as u32);
-        let size = wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: depth,
-        };
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("occupancy"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format: wgpu::TextureFormat::R8Unorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(width),
-            rows_per_image: Some(height),
-        };
-        gpu.queue
-            .write_texture(texture.as_image_copy(), &self.rings, layout, size);
+        let size = self.size.map(|n| n as u32);
+        let format = wgpu::TextureFormat::R8Unorm;
+        let view = gpu.texture_3d("occupancy", format, size, &self.rings);
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("occupancy"),
             address_mode_u: wgpu::AddressMode::Repeat,
             address_mode_w: wgpu::AddressMode::Repeat,
             ..Default::default()
         });
-        let view = texture.create_view(&Default::default());
         inputs.resource("occupancy_cells", Resource::View(view));
         inputs.resource("occupancy_sampler", Resource::Sampler(sampler));
         inputs.uniform(

@@ -211,6 +211,39 @@ impl Gpu {
         buffer
     }
 
+    /// A sampled 3-D texture of `size` texels, x fastest.
+    pub fn texture_3d(
+        &self,
+        label: &str,
+        format: wgpu::TextureFormat,
+        [width, height, depth_or_array_layers]: [u32; 3],
+        texels: &[u8],
+    ) -> wgpu::TextureView {
+        let size = wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers,
+        };
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: format.block_copy_size(None).map(|bytes| bytes * width),
+            rows_per_image: Some(height),
+        };
+        self.queue
+            .write_texture(texture.as_image_copy(), texels, layout, size);
+        texture.create_view(&Default::default())
+    }
+
     /// An uninitialised (zero) buffer.
     pub fn empty_buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
