@@ -361,7 +361,7 @@ fn the_first_table_answers_with_the_fastest_setting_within_the_error() {
         answers[4].contains("steps=6 spacing=quadratic"),
         "the fastest, not the best"
     );
-    let all = row("all 4 views");
+    let all = row("every view");
     assert!(
         all.contains("least: 0.107"),
         "the worst of the views counts: {all}"

@@ -20,7 +20,7 @@ pub const TOP: f64 = 48.0;
 /// Room for the last two lines, units.
 pub const FOOT: f64 = 50.0;
 /// Room for the two lines over a picture, units.
-pub const HEAD: f64 = 54.0;
+pub const HEAD: f64 = 58.0;
 /// Between tiles, units.
 const GAP: f64 = 14.0;
 /// Under a row of tiles, units.

@@ -20,8 +20,8 @@ use serde_json::{Map, Value};
 use std::path::Path;
 
 /// Sizes of type in units of the layout.
-const HEADING: f64 = 19.0;
-const TEXT: f64 = 16.0;
+const HEADING: f64 = 22.0;
+const TEXT: f64 = 17.5;
 
 /// The sheet of one case.
 pub struct Sheet {
@@ -150,7 +150,7 @@ fn write(view: &View<'_>, case: &Case<'_>, tiles: &[Tile], layout: &Layout) -> R
             let text = surface.fit(text, layout.size_of(size), room)?;
             surface.text((left, y), &text, layout.size_of(size), color, Hang::Right)
         };
-        line(layout.px(TOP / 2.0), &case.name, 1.2 * HEADING, INK)?;
+        line(layout.px(TOP / 2.0), &case.name, 1.1 * HEADING, INK)?;
         for (i, tile) in tiles.iter().enumerate() {
             write_tile(surface, layout, case, tile, layout.corner(i))?;
         }
@@ -215,7 +215,7 @@ fn write_tile<DB: DrawingBackend>(
     let name = surface.fit(&tile.heading, heading, room - lead)?;
     surface.strong((x + lead, first), &name, heading)?;
     let numbers = surface.fit(&tile.numbers, text, room)?;
-    surface.text((x, y + layout.px(39.0)), &numbers, text, INK, Hang::Right)?;
+    surface.text((x, y + layout.px(42.0)), &numbers, text, INK, Hang::Right)?;
     let at = [(x, y + layout.px(HEAD)), (x, layout.below(y))];
     let notice = |(x, y): (i32, i32), reason: &str| {
         let reason = surface.fit(&format!("Picture missing: {reason}"), text, width - 16)?;

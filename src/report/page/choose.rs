@@ -93,9 +93,7 @@ const MEANING: &str = "The error is rel_rmse: the RMS difference of the sun-lit 
     truth's own RMS; 0 is equal, 1 as wrong as no light at all.";
 
 /// Name of the row for all views at once.
-fn all_views(view: &View<'_>) -> String {
-    format!("all {} views", view.cases.len())
-}
+const EVERY_VIEW: &str = "every view";
 
 fn by_error(view: &View<'_>) -> Markup {
     let head = html! {
@@ -115,7 +113,7 @@ fn by_error(view: &View<'_>) -> Markup {
             @let offers: Vec<Offer<'_>> = case.shots().into_iter().map(Offer::new).collect();
             (row(&case.name, &offers))
         }
-        @if view.cases.len() > 1 { (row(&all_views(view), &everywhere(&view.cases))) }
+        @if view.cases.len() > 1 { (row(EVERY_VIEW, &everywhere(&view.cases))) }
     };
     let caption = html! {
         "Median time of one picture, bytes of the map."
@@ -131,7 +129,7 @@ fn answer(view: &View<'_>, offers: &[Offer<'_>], limit: f64) -> Markup {
     match within.min_by(|a, b| a.by_cost(b)) {
         Some(offer) => html! {
             div.choice { (parts::method(&offer.shot.cell.method)) " " (parts::setting(view, &offer.shot)) }
-            div { (ms(offer.total_ms)) " · " (map_size(offer.map_bytes)) }
+            div { span.whole { (ms(offer.total_ms)) " ·" } " " span.whole { (map_size(offer.map_bytes)) } }
         },
         None => html! { span.na { "none measured" br; "least: " (maybe(best)) } },
     }
@@ -159,7 +157,7 @@ fn by_budget(view: &View<'_>) -> Markup {
     };
     let body = html! {
         @for case in &view.cases { (row(&case.name, Some(case.number))) }
-        @if view.cases.len() > 1 { (row(&all_views(view), None)) }
+        @if view.cases.len() > 1 { (row(EVERY_VIEW, None)) }
     };
     html! {
         div.budget hidden {
