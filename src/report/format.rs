@@ -71,6 +71,14 @@ pub fn bytes(value: u64) -> String {
     }
 }
 
+/// [`bytes`] of a map; none is said in words.
+pub fn map_size(value: u64) -> String {
+    match value {
+        0 => "no map".to_owned(),
+        _ => bytes(value),
+    }
+}
+
 /// Counts in thousands, millions, billions.
 pub fn count(value: u64) -> String {
     let v = value as f64;

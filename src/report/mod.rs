@@ -6,14 +6,16 @@
 //! ```text
 //! Report ─► records::settle ─► report.json
 //!                  │─► csv    ─► cells.csv
-//!                  └─► view   ─► charts ─► charts/*.svg ─┐
-//!                        └──────► page  ◄────────────────┘─► index.html (one file, no network)
+//!                  └─► view   ─► charts  ─► charts/*.svg ─┐
+//!                        ├──────► contact ─► charts/*.png ─┤
+//!                        └──────► page   ◄─────────────────┘─► index.html (one file, no network)
 //! ```
 //!
 //! Nothing outside this module names plotters or maud. Pictures are only read: they are the files that the records
 //! name, inside the folder.
 
 mod charts;
+mod contact;
 mod csv;
 mod files;
 mod format;
@@ -35,32 +37,38 @@ use std::path::{Path, PathBuf};
 pub use pareto::frontier;
 pub use style::{Marker, Style};
 
-/// Writes `report.json`, `cells.csv`, `charts/*.svg` and `index.html` into `folder`; returns the path of the page.
+/// First words of the file names that mark the files in `charts/` as the report's own.
+const FIGURES: [&str; 6] = [
+    "error-time",
+    "error-bytes",
+    "error-steps",
+    "time",
+    "memory",
+    "methods",
+];
+
+/// Writes `report.json`, `cells.csv`, `charts/*.svg`, the contact sheets `charts/methods-*.png` and `index.html` into
+/// `folder`; returns the path of the page.
 ///
-/// Each file is replaced in one step, so a reader never sees half of one. Charts of an earlier report that the records
-/// no longer support are removed.
+/// Each file is replaced in one step, so a reader never sees half of one. Charts and sheets of an earlier report that
+/// the records no longer support are removed.
 pub fn write(folder: &Path, report: &Report) -> Result<PathBuf> {
     let report = records::settle(report, folder)?;
-    write_settled_json(folder, &report)?;
+    let json = folder.join("report.json");
+    files::write(&json, records::text(&report, &json)?.as_bytes())?;
     files::write(&folder.join("cells.csv"), csv::cells(&report)?.as_bytes())?;
     let view = view::View::new(&report);
     let charts = charts::all(&view)?;
-    charts::write(&folder.join("charts"), &charts)?;
+    let sheets = contact::all(folder, &view)?;
+    let figures = charts
+        .iter()
+        .map(|c| (c.file.as_str(), c.svg.as_bytes()))
+        .chain(sheets.iter().map(|s| (s.file.as_str(), s.png.as_slice())));
+    files::replace_all(&folder.join("charts"), &FIGURES, figures)?;
     let page = folder.join("index.html");
-    files::write(&page, page::html(folder, &view, &charts).as_bytes())?;
+    files::write(
+        &page,
+        page::html(folder, &view, &charts, &sheets).as_bytes(),
+    )?;
     Ok(page)
-}
-
-/// Writes `report.json` alone: what a batch does after each cell.
-///
-/// A cell whose numbers are not finite (JSON has none such) is written as a failed cell that names them, so that the
-/// file can always be read again.
-pub fn write_json(folder: &Path, report: &Report) -> Result<PathBuf> {
-    write_settled_json(folder, &records::settle(report, folder)?)
-}
-
-fn write_settled_json(folder: &Path, report: &Report) -> Result<PathBuf> {
-    let path = folder.join("report.json");
-    files::write(&path, records::text(report, &path)?.as_bytes())?;
-    Ok(path)
 }

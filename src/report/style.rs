@@ -33,68 +33,29 @@ pub struct Style {
     pub marker: Marker,
 }
 
+/// The methods that come with the program.
 const KNOWN: [(&str, Style); 7] = [
-    (
-        "truth",
-        Style {
-            rgb: (0x00, 0x00, 0x00),
-            marker: Marker::Star,
-        },
-    ),
-    (
-        "srm",
-        Style {
-            rgb: (0x17, 0x3a, 0x8f),
-            marker: Marker::Circle,
-        },
-    ),
-    (
-        "fom",
-        Style {
-            rgb: (0x8f, 0x2a, 0x7c),
-            marker: Marker::Diamond,
-        },
-    ),
-    (
-        "bsm",
-        Style {
-            rgb: (0xc4, 0x50, 0x1b),
-            marker: Marker::Up,
-        },
-    ),
-    (
-        "esm",
-        Style {
-            rgb: (0x1b, 0x9b, 0x80),
-            marker: Marker::Square,
-        },
-    ),
-    (
-        "floor",
-        Style {
-            rgb: (0xdb, 0xa1, 0x1c),
-            marker: Marker::Plus,
-        },
-    ),
-    (
-        "none",
-        Style {
-            rgb: (0x9c, 0xc8, 0xee),
-            marker: Marker::Cross,
-        },
-    ),
+    ("truth", style(0x000000, Marker::Star)),
+    ("srm", style(0x173a8f, Marker::Circle)),
+    ("fom", style(0x8f2a7c, Marker::Diamond)),
+    ("bsm", style(0xc4501b, Marker::Up)),
+    ("esm", style(0x1b9b80, Marker::Square)),
+    ("floor", style(0xdba11c, Marker::Plus)),
+    ("none", style(0x9cc8ee, Marker::Cross)),
 ];
 
+/// A style from `0xrrggbb` and a shape.
+const fn style(rgb: u32, marker: Marker) -> Style {
+    let [_, r, g, b] = rgb.to_be_bytes();
+    Style {
+        rgb: (r, g, b),
+        marker,
+    }
+}
+
 /// Colours of methods that are not known by name, by growing lightness.
-const OTHERS: [(u8, u8, u8); 8] = [
-    (0x5c, 0x1a, 0x1a),
-    (0x2c, 0x4a, 0x52),
-    (0x3d, 0x5a, 0x2a),
-    (0x6b, 0x5c, 0xa5),
-    (0xb0, 0x44, 0x7a),
-    (0x7f, 0x8f, 0x2b),
-    (0xd9, 0x88, 0x80),
-    (0x8f, 0xb3, 0xa3),
+const OTHERS: [u32; 8] = [
+    0x5c1a1a, 0x2c4a52, 0x3d5a2a, 0x6b5ca5, 0xb0447a, 0x7f8f2b, 0xd98880, 0x8fb3a3,
 ];
 
 /// Shapes of methods that are not known by name; their number has no factor in common with the colours'.
@@ -117,10 +78,7 @@ impl Style {
             return *style;
         }
         let slot = fnv1a(method) as usize % (OTHERS.len() * SHAPES.len());
-        Self {
-            rgb: OTHERS[slot % OTHERS.len()],
-            marker: SHAPES[slot % SHAPES.len()],
-        }
+        style(OTHERS[slot % OTHERS.len()], SHAPES[slot % SHAPES.len()])
     }
 
     /// `#rrggbb`.
@@ -140,49 +98,49 @@ fn fnv1a(text: &str) -> u64 {
 impl Marker {
     /// Corners around (0, 0) for a marker about `r` in radius; `None` for the disc.
     pub fn corners(self, r: f64) -> Option<Vec<(f64, f64)>> {
-        let ring = |n: usize, start: f64, radius: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
-            (0..n)
-                .map(|i| {
-                    let angle = (start + 360.0 * i as f64 / n as f64).to_radians();
-                    (radius(i) * angle.cos(), radius(i) * angle.sin())
-                })
-                .collect()
-        };
         Some(match self {
             Self::Circle => return None,
-            Self::Square => ring(4, 45.0, &|_| 1.25 * r),
-            Self::Diamond => ring(4, 0.0, &|_| 1.4 * r),
-            Self::Up => ring(3, -90.0, &|_| 1.4 * r),
-            Self::Down => ring(3, 90.0, &|_| 1.4 * r),
-            Self::Hexagon => ring(6, 0.0, &|_| 1.15 * r),
-            Self::Star => ring(10, -90.0, &|i| if i % 2 == 0 { 1.5 * r } else { 0.65 * r }),
+            Self::Square => ring(4, 45.0, [1.25 * r; 2]),
+            Self::Diamond => ring(4, 0.0, [1.4 * r; 2]),
+            Self::Up => ring(3, -90.0, [1.4 * r; 2]),
+            Self::Down => ring(3, 90.0, [1.4 * r; 2]),
+            Self::Hexagon => ring(6, 0.0, [1.15 * r; 2]),
+            Self::Star => ring(10, -90.0, [1.5 * r, 0.65 * r]),
             Self::Plus => cross(r, 0.0),
             Self::Cross => cross(r, 45.0),
         })
     }
 }
 
-/// A cross with arms 0.9 r wide, turned by `degrees`.
-fn cross(r: f64, degrees: f64) -> Vec<(f64, f64)> {
-    let (a, b) = (0.45 * r, 1.35 * r);
+/// The point at `degrees` and `radius` around (0, 0).
+fn polar(degrees: f64, radius: f64) -> (f64, f64) {
     let (sin, cos) = degrees.to_radians().sin_cos();
-    [
-        (-a, -b),
-        (a, -b),
-        (a, -a),
-        (b, -a),
-        (b, a),
-        (a, a),
-        (a, b),
-        (-a, b),
-        (-a, a),
-        (-b, a),
-        (-b, -a),
-        (-a, -a),
-    ]
-    .iter()
-    .map(|(x, y)| (x * cos - y * sin, x * sin + y * cos))
-    .collect()
+    (radius * cos, radius * sin)
+}
+
+/// `n` corners from `start` degrees on, the two radii in turn.
+fn ring(n: usize, start: f64, radii: [f64; 2]) -> Vec<(f64, f64)> {
+    (0..n)
+        .map(|i| polar(start + 360.0 * i as f64 / n as f64, radii[i % 2]))
+        .collect()
+}
+
+/// A cross with arms 0.9 r wide, turned by `degrees`: each quarter has the two corners of an arm's end and the notch
+/// after it.
+fn cross(r: f64, degrees: f64) -> Vec<(f64, f64)> {
+    let (half, reach) = (0.45 * r, 1.35 * r);
+    let (tip, end) = (half.atan2(reach).to_degrees(), half.hypot(reach));
+    [0.0, 90.0, 180.0, 270.0]
+        .iter()
+        .map(|quarter| quarter + degrees)
+        .flat_map(|at| {
+            [
+                polar(at - tip, end),
+                polar(at + tip, end),
+                polar(at + 45.0, half * std::f64::consts::SQRT_2),
+            ]
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use crate::metrics::Stats;
 use std::collections::BTreeMap;
 use std::fs::read_to_string;
 
-/// A folder with the fixture's report; set `OCCLAB_REPORT_DIR` to keep it for a look.
+/// A folder with the fixture's report.
 fn written(dir: &Path) -> (Report, PathBuf) {
     let report = report();
     paint(dir, &report, 16);
@@ -17,10 +17,11 @@ fn text(path: impl AsRef<Path>) -> String {
 }
 
 /// Every file the report writes, by name.
-fn outputs(dir: &Path) -> BTreeMap<String, String> {
-    let mut out: BTreeMap<String, String> = ["index.html", "cells.csv", "report.json"]
+fn outputs(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+    let read = |path: PathBuf| std::fs::read(path).expect("file");
+    let mut out: BTreeMap<String, Vec<u8>> = ["index.html", "cells.csv", "report.json"]
         .iter()
-        .map(|n| ((*n).to_owned(), text(dir.join(n))))
+        .map(|n| ((*n).to_owned(), read(dir.join(n))))
         .collect();
     for entry in std::fs::read_dir(dir.join("charts"))
         .expect("charts")
@@ -28,7 +29,7 @@ fn outputs(dir: &Path) -> BTreeMap<String, String> {
     {
         out.insert(
             entry.file_name().to_string_lossy().into_owned(),
-            text(entry.path()),
+            read(entry.path()),
         );
     }
     out
@@ -114,6 +115,7 @@ fn charts_name_adapter_scene_and_sun_in_text_large_enough() {
     let charts: Vec<_> = outputs(dir.path())
         .into_iter()
         .filter(|(n, _)| n.ends_with(".svg"))
+        .map(|(n, svg)| (n, String::from_utf8(svg).expect("text")))
         .collect();
     assert_eq!(charts.len(), 4 * 4 + 1);
     for (name, svg) in &charts {
@@ -245,8 +247,8 @@ fn numbers_json_cannot_hold_fail_their_cell_and_the_file_stays_readable() {
         .expect("result")
         .time_ms
         .total = total;
-    let path = write_json(dir.path(), &report).expect("json");
-    let read = Report::read(&path).expect("readable");
+    write(dir.path(), &report).expect("report");
+    let read = Report::read(&dir.path().join("report.json")).expect("readable");
     assert!(
         read.cells[0]
             .failed
@@ -281,10 +283,87 @@ fn a_report_without_cells_is_a_page_that_says_so() {
     );
 }
 
-/// Not a test of anything: leaves the fixture's report in a folder of your choice to look at.
 #[test]
-#[ignore = "writes a folder to look at: OCCLAB_REPORT_DIR=… cargo test --lib look -- --ignored"]
-fn look() {
-    let dir = std::env::var_os("OCCLAB_REPORT_DIR").expect("set OCCLAB_REPORT_DIR");
-    written(Path::new(&dir));
+fn hostile_methods_and_parameters_stay_text_everywhere() {
+    let dir = tempfile::tempdir().expect("folder");
+    let mut report = report();
+    paint(dir.path(), &report, usize::MAX);
+    for cell in report.cells.iter_mut().take(2) {
+        cell.method = "\"><img src=x onerror=alert(3)>".into();
+        cell.params.insert(
+            "note".into(),
+            format!("'\"><script>alert({})</script>", cell.index).into(),
+        );
+    }
+    let html = text(write(dir.path(), &report).expect("report"));
+    let svgs = outputs(dir.path())
+        .into_iter()
+        .filter(|(n, _)| n.ends_with(".svg"))
+        .map(|(_, svg)| String::from_utf8(svg).expect("text"));
+    for markup in svgs.chain([html]) {
+        assert!(!markup.contains("<img src=x") && !markup.contains("<script>alert"));
+    }
+}
+
+#[test]
+fn the_sheet_shows_the_truth_and_the_middle_setting_of_each_method() {
+    let dir = tempfile::tempdir().expect("folder");
+    let (report, _) = written(dir.path());
+    let view = view::View::new(&report);
+    let srm = contact::typical(&view.cases[0], "srm").expect("cell");
+    assert_eq!(srm.rel_rmse(), 0.1595, "third of six by error");
+    let sheets = contact::all(dir.path(), &view).expect("sheets");
+    assert_eq!(sheets.len(), view.cases.len());
+    let sheet = image::load_from_memory(&sheets[0].png)
+        .expect("png")
+        .into_rgb8();
+    let size = sheet.dimensions();
+    assert!(
+        size.0 > 4 * 480 && size.1 > 4 * 270,
+        "two rows of four: {size:?}"
+    );
+    let truth = image::open(dir.path().join("images/truth-0-0.png"))
+        .expect("png")
+        .into_rgb8();
+    let shown = image::imageops::resize(&truth, 480, 270, image::imageops::FilterType::Triangle);
+    let same = |x: u32, y: u32| {
+        let mut pixels = shown.enumerate_pixels();
+        pixels.all(|(u, v, p)| sheet.get_pixel(x + u, y + v) == p)
+    };
+    let found = (0..200).any(|y| (0..40).any(|x| same(x, y)));
+    assert!(found, "the first tile is the truth, pixel for pixel");
+    assert!(
+        sheet.pixels().any(|p| p.0 == [103, 0, 31]),
+        "the scale ends in its own colour"
+    );
+}
+
+#[test]
+fn the_first_table_answers_with_the_fastest_setting_within_the_error() {
+    let dir = tempfile::tempdir().expect("folder");
+    let mut report = report();
+    report
+        .cells
+        .retain(|c| ["srm", "none"].contains(&c.method.as_str()));
+    let html = text(write(dir.path(), &report).expect("report"));
+    let row = |name: &str| {
+        let start = html
+            .find(&format!("<tr><th scope=\"row\">{name}"))
+            .expect("row");
+        let row = &html[start..];
+        row[..row.find("</tr>").expect("end")].to_owned()
+    };
+    let first = row("cumulus");
+    let answers: Vec<&str> = first.split("<td").skip(1).collect();
+    assert!(answers[0].contains("none measured") && answers[0].contains("least: 0.0550"));
+    assert!(answers[2].contains("steps=20 spacing=quadratic") && answers[2].contains("530 ms"));
+    assert!(
+        answers[4].contains("steps=6 spacing=quadratic"),
+        "the fastest, not the best"
+    );
+    let all = row("every view");
+    assert!(
+        all.contains("least: 0.107"),
+        "the worst of the views counts: {all}"
+    );
 }

@@ -24,6 +24,11 @@ impl Shot<'_> {
             .filter(|t| *t > 0.0)
     }
 
+    /// Relative error against the truth.
+    pub fn rel_rmse(&self) -> f64 {
+        self.numbers.error.rel_rmse
+    }
+
     /// Bytes of the map's textures.
     pub fn map_bytes(&self) -> f64 {
         self.numbers.memory.map_bytes as f64
@@ -65,17 +70,18 @@ impl<'a> Case<'a> {
         distinct(self.cells.iter().map(|c| c.method.as_str()))
     }
 
-    /// The cell of `method` with the smallest error.
-    pub fn best(&self, method: &str) -> Option<Shot<'a>> {
-        self.shots()
-            .into_iter()
-            .filter(|s| s.cell.method == method)
-            .min_by(|a, b| {
-                a.numbers
-                    .error
-                    .rel_rmse
-                    .total_cmp(&b.numbers.error.rel_rmse)
-            })
+    /// The cells of `method` that have numbers, the smallest error first.
+    pub fn by_error(&self, method: &str) -> Vec<Shot<'a>> {
+        let mut shots = self.shots();
+        shots.retain(|s| s.cell.method == method);
+        shots.sort_by(|a, b| a.rel_rmse().total_cmp(&b.rel_rmse()));
+        shots
+    }
+
+    /// The difference of the truth's mean radiance at which the false colours end, where the records name it.
+    pub fn diff_scale(&self) -> Option<f64> {
+        let scale = |s: &Shot<'_>| s.numbers.files.get("diff_scale")?.as_f64();
+        self.shots().iter().find_map(scale)
     }
 }
 
@@ -122,12 +128,8 @@ impl<'a> View<'a> {
 
     /// The setting in words that name each parameter: `steps=10 spacing=quadratic`; empty when nothing varies.
     pub fn setting(&self, cell: &Cell) -> String {
-        let named = |k: &&str| cell.params.get(*k).map(|v| format!("{k}={}", plain(v)));
-        self.varying(&cell.method)
-            .iter()
-            .filter_map(named)
-            .collect::<Vec<_>>()
-            .join(" ")
+        let varying = self.varying(&cell.method).iter();
+        pairs(varying.filter_map(|k| Some((*k, cell.params.get(*k)?))))
     }
 
     /// Method and setting as short as a chart needs it: `srm 10 steps quadratic`.
@@ -163,6 +165,17 @@ pub fn plain(value: &Value) -> String {
     value
         .as_str()
         .map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// Parameters as `key=value key=value`.
+pub fn pairs<'a>(params: impl Iterator<Item = (&'a str, &'a Value)>) -> String {
+    let words: Vec<String> = params.map(|(k, v)| format!("{k}={}", plain(v))).collect();
+    words.join(" ")
+}
+
+/// Every parameter of a cell, in words.
+pub fn all_params(cell: &Cell) -> String {
+    pairs(cell.params.iter().map(|(k, v)| (k.as_str(), v)))
 }
 
 /// The distinct items, in order of first appearance.

@@ -1,6 +1,7 @@
 //! An axis: values to positions, and the ticks that people expect on it.
 
 use super::super::format::{bytes, number};
+use super::super::view::distinct;
 
 /// How values are spread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +21,8 @@ pub struct Axis {
     lo: f64,
     hi: f64,
     zero: Option<String>,
+    /// Values that get the ticks instead of round numbers.
+    marked: Vec<f64>,
 }
 
 /// A tick: where, what is written there, and how much it matters (0 most).
@@ -33,6 +36,9 @@ pub struct Tick {
     pub rank: u8,
 }
 
+/// Rank of ticks that get a label only on a short axis, where the others are few.
+pub const CROWDED: u8 = 3;
+
 /// Share of the axis that the place of zero takes, and where in it zero lies.
 const ZERO: (f64, f64) = (0.14, 0.06);
 
@@ -40,6 +46,14 @@ impl Axis {
     /// A logarithmic axis over `values`; zeros are drawn at a place of their own, labelled `zero`.
     pub fn log(title: &str, zero: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
         Self::logarithmic(title, Scale::Log, zero, values)
+    }
+
+    /// A logarithmic axis with its ticks at the very values.
+    pub fn log_at(title: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
+        Self {
+            marked: distinct(values.clone().filter(|v| *v > 0.0)),
+            ..Self::log(title, "0", values)
+        }
     }
 
     /// A logarithmic axis of bytes.
@@ -79,6 +93,7 @@ impl Axis {
             lo: lo - pad,
             hi: hi + pad,
             zero,
+            marked: Vec::new(),
         }
     }
 
@@ -92,6 +107,7 @@ impl Axis {
             lo: 0.0,
             hi,
             zero: None,
+            marked: Vec::new(),
         }
     }
 
@@ -119,6 +135,7 @@ impl Axis {
     /// All ticks in range, with rank.
     pub fn ticks(&self) -> Vec<Tick> {
         let mut out: Vec<Tick> = match self.scale {
+            _ if !self.marked.is_empty() => self.marked_ticks(),
             Scale::Linear => self.linear_ticks(),
             Scale::Log => self.decade_ticks(),
             Scale::Bytes => self.binary_ticks(),
@@ -129,6 +146,15 @@ impl Axis {
             rank: 0,
         }));
         out
+    }
+
+    fn marked_ticks(&self) -> Vec<Tick> {
+        let tick = |value: &f64| Tick {
+            at: self.at(*value),
+            text: short_number(*value),
+            rank: 0,
+        };
+        self.marked.iter().map(tick).collect()
     }
 
     fn linear_ticks(&self) -> Vec<Tick> {
@@ -163,7 +189,7 @@ impl Axis {
                         1 => 0,
                         2 | 5 => 1,
                         3 | 7 => 2,
-                        _ => 3,
+                        _ => CROWDED,
                     };
                     out.push(Tick {
                         at: self.at(value),

@@ -4,8 +4,8 @@ use super::super::format::ms;
 use super::super::style::Style;
 use super::super::view::{Case, Shot, View};
 use super::axis::Axis;
-use super::canvas::{Canvas, Hang, INK, MUTED, SMALL, sheet};
-use super::plot::{Key, MARGIN, Plot, caption, ink_of, legend, title};
+use super::canvas::{Canvas, Hang, INK, MUTED, SMALL, ink_of, sheet};
+use super::plot::{Key, Plot, caption, legend, room_for_rows, row_label, title};
 use crate::error::Result;
 use plotters::style::{Color as _, WHITE};
 
@@ -13,8 +13,6 @@ use plotters::style::{Color as _, WHITE};
 const ROW: i32 = 23;
 /// Rows a chart may have before only the fastest are shown.
 const MOST: usize = 60;
-/// Room for the labels at the left.
-const LEFT: i32 = 232;
 
 /// Total times as bars; `None` when no cell has a time.
 pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
@@ -55,16 +53,14 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
             .filter_map(|s| s.numbers.time_ms.total)
             .map(|t| t.p95.max(t.median) * 1.16);
         let axis = Axis::from_zero("time of one picture (ms)", reach);
-        let plot = Plot::new(top, height, LEFT, axis.clone(), axis);
+        let labels: Vec<String> = shots.iter().map(|s| view.short(s.cell)).collect();
+        let left = room_for_rows(canvas, labels.iter().map(String::as_str))?;
+        let plot = Plot::new(top, height, left, axis.clone(), axis);
         plot.draw_x(canvas)?;
-        for (i, shot) in shots.iter().enumerate() {
-            draw_row(
-                canvas,
-                view,
-                &plot,
-                shot,
-                top + ROW * i as i32 + ROW / 2 + 2,
-            )?;
+        for (i, (shot, label)) in shots.iter().zip(&labels).enumerate() {
+            let y = top + ROW * i as i32 + ROW / 2 + 2;
+            row_label(canvas, y, &shot.cell.method, label, left)?;
+            draw_row(canvas, &plot, shot, y)?;
         }
         let [left, top, _, bottom] = plot.bounds;
         canvas.line(&[(left, top), (left, bottom)], INK, 1)?;
@@ -73,22 +69,12 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     Ok(Some(svg))
 }
 
-fn draw_row(
-    canvas: &Canvas<'_>,
-    view: &View<'_>,
-    plot: &Plot,
-    shot: &Shot<'_>,
-    y: i32,
-) -> Result<()> {
+fn draw_row(canvas: &Canvas<'_>, plot: &Plot, shot: &Shot<'_>, y: i32) -> Result<()> {
     let times = &shot.numbers.time_ms;
     let Some(total) = times.total else {
         return Ok(());
     };
-    let style = Style::of(&shot.cell.method);
-    let color = ink_of(style);
-    canvas.marker((MARGIN + 6, y), 4.5, style, false)?;
-    let label = canvas.fit(&view.short(shot.cell), SMALL, LEFT - MARGIN - 28)?;
-    canvas.text((MARGIN + 18, y), &label, SMALL, INK, Hang::Right)?;
+    let color = ink_of(Style::of(&shot.cell.method));
     let map = times.generate.map_or(0.0, |t| t.median);
     let (start, split, end) = (plot.px(0.0), plot.px(map), plot.px(total.median));
     if split > start {
@@ -105,7 +91,7 @@ fn draw_row(
         vec![(b, y - 4), (b, y + 4)],
     ];
     for part in &whisker {
-        canvas.line(part, WHITE, 3)?;
+        canvas.line(part, WHITE, 4)?;
     }
     for part in &whisker {
         canvas.line(part, INK, 1)?;

@@ -1,8 +1,9 @@
-//! A sheet of SVG in pixels: lines, shapes and text through plotters.
+//! A sheet in pixels, SVG or raster: lines, shapes and text through plotters.
 
 use super::super::style::Style;
 use super::WIDTH;
 use crate::error::{Error, Result};
+use image::{Rgb, RgbImage};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -46,27 +47,52 @@ pub enum Hang {
 }
 
 /// A sheet being drawn.
-pub struct Canvas<'a> {
-    area: DrawingArea<SVGBackend<'a>, Shift>,
+pub struct Surface<DB: DrawingBackend> {
+    area: DrawingArea<DB, Shift>,
     width_cache: RefCell<Vec<(String, u64, i32)>>,
 }
 
+/// A sheet of SVG.
+pub type Canvas<'a> = Surface<SVGBackend<'a>>;
+
 /// Draws a sheet of the usual width and the given height; the SVG text is the result.
 pub fn sheet(height: i32, draw: impl FnOnce(&Canvas<'_>) -> Result<()>) -> Result<String> {
-    register()?;
     let mut svg = String::new();
-    {
-        let size = (WIDTH.unsigned_abs(), height.unsigned_abs());
-        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        area.fill(&WHITE).map_err(|e| defect(&e))?;
-        let canvas = Canvas {
-            area,
-            width_cache: RefCell::default(),
-        };
-        draw(&canvas)?;
-        canvas.area.present().map_err(|e| defect(&e))?;
-    }
+    let size = (WIDTH.unsigned_abs(), height.unsigned_abs());
+    on(
+        SVGBackend::with_string(&mut svg, size),
+        |canvas: &Canvas<'_>| {
+            canvas.area.fill(&WHITE).map_err(|e| defect(&e))?;
+            draw(canvas)
+        },
+    )?;
     Ok(svg)
+}
+
+/// A raster sheet of the given size, white where nothing is drawn.
+pub fn raster(
+    (width, height): (u32, u32),
+    draw: impl FnOnce(&Surface<BitMapBackend<'_>>) -> Result<()>,
+) -> Result<RgbImage> {
+    let mut sheet = RgbImage::from_pixel(width, height, Rgb([255; 3]));
+    on(
+        BitMapBackend::with_buffer(&mut sheet, (width, height)),
+        draw,
+    )?;
+    Ok(sheet)
+}
+
+fn on<DB: DrawingBackend>(
+    backend: DB,
+    draw: impl FnOnce(&Surface<DB>) -> Result<()>,
+) -> Result<()> {
+    register()?;
+    let surface = Surface {
+        area: backend.into_drawing_area(),
+        width_cache: RefCell::default(),
+    };
+    draw(&surface)?;
+    surface.area.present().map_err(|e| defect(&e))
 }
 
 /// Gives plotters a font to measure with: without one even SVG fails.
@@ -105,7 +131,7 @@ fn printable(text: &str) -> String {
         .collect()
 }
 
-impl Canvas<'_> {
+impl<DB: DrawingBackend> Surface<DB> {
     /// A line through points.
     pub fn line(&self, points: &[Px], color: impl Color, width: u32) -> Result<()> {
         let style = color.to_rgba().stroke_width(width);
@@ -157,18 +183,12 @@ impl Canvas<'_> {
 
     /// A method's marker, about `r` in radius; hollow ones keep only the outline.
     pub fn marker(&self, at: Px, r: f64, style: Style, hollow: bool) -> Result<()> {
-        let (red, green, blue) = style.rgb;
-        let fill = if hollow {
-            WHITE
+        let color = ink_of(style);
+        let (fill, edge, width) = if hollow {
+            (WHITE, color, 2)
         } else {
-            RGBColor(red, green, blue)
+            (color, INK, 1)
         };
-        let edge = if hollow {
-            RGBColor(red, green, blue)
-        } else {
-            INK
-        };
-        let width = if hollow { 2 } else { 1 };
         let Some(corners) = style.marker.corners(r) else {
             self.area
                 .draw(&Circle::new(at, r as i32, fill.filled()))
@@ -193,6 +213,18 @@ impl Canvas<'_> {
     pub fn bold(&self, at: Px, text: &str, size: f64, hang: Hang) -> Result<()> {
         let font: TextStyle = (FAMILY, size * EM, FontStyle::Bold).into_font().into();
         self.write(at, text, font.color(&INK), hang)
+    }
+
+    /// Text with thicker strokes than the one built-in font has, for raster sheets: drawn twice, a little apart.
+    pub fn strong(&self, at: Px, text: &str, size: f64) -> Result<()> {
+        self.text(at, text, size, INK, Hang::Right)?;
+        self.text(
+            (at.0 + (size / 20.0) as i32, at.1),
+            text,
+            size,
+            INK,
+            Hang::Right,
+        )
     }
 
     /// Text centred on a point and turned to read upwards.
@@ -249,6 +281,12 @@ impl Canvas<'_> {
         }
         Ok(out)
     }
+}
+
+/// A method's colour for plotters.
+pub fn ink_of(style: Style) -> RGBColor {
+    let (r, g, b) = style.rgb;
+    RGBColor(r, g, b)
 }
 
 fn font(size: f64) -> TextStyle<'static> {

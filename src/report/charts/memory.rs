@@ -6,7 +6,7 @@ use super::super::view::{Shot, View, distinct, plain};
 use super::WIDTH;
 use super::axis::Axis;
 use super::canvas::{Canvas, GRID, Hang, INK, MUTED, SMALL, sheet};
-use super::plot::{Key, MARGIN, Plot, caption, legend, title};
+use super::plot::{Key, Plot, caption, legend, room_for_rows, row_label, title};
 use crate::error::Result;
 use crate::raymarch::Memory;
 
@@ -16,7 +16,6 @@ const WHAT: &str = "Memory of the maps";
 const WHERE: &str = "all scenes and suns";
 
 const ROW: i32 = 24;
-const LEFT: i32 = 220;
 /// Rows beyond this are left to the table.
 const MOST: usize = 60;
 
@@ -62,7 +61,8 @@ pub fn draw(view: &View<'_>) -> Result<Option<String>> {
             "0 (no map)",
             reach.collect::<Vec<_>>().into_iter(),
         );
-        let plot = Plot::new(top, height, LEFT, axis.clone(), axis);
+        let left = room_for_rows(canvas, rows.iter().map(|r| r.label.as_str()))?;
+        let plot = Plot::new(top, height, left, axis.clone(), axis);
         plot.draw_x(canvas)?;
         for (i, row) in rows.iter().enumerate() {
             draw_row(canvas, &plot, row, top + ROW * i as i32 + ROW / 2)?;
@@ -84,8 +84,7 @@ fn draw_row(canvas: &Canvas<'_>, plot: &Plot, row: &Row<'_>, y: i32) -> Result<(
     let (payload, map) = (row.memory.payload_bytes, row.memory.map_bytes);
     let (a, b) = (plot.px(payload as f64), plot.px(map as f64));
     canvas.line(&[(plot.bounds[0], y), (plot.bounds[2], y)], GRID, 1)?;
-    let label = canvas.fit(&row.label, SMALL, LEFT - MARGIN - 12)?;
-    canvas.text((MARGIN, y), &label, SMALL, INK, Hang::Right)?;
+    row_label(canvas, y, row.method, &row.label, plot.bounds[0])?;
     canvas.line(&[(a, y), (b, y)], MUTED, 2)?;
     canvas.marker((b, y), 5.0, style, false)?;
     if a != b {

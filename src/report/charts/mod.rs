@@ -2,17 +2,15 @@
 
 mod axis;
 mod bars;
-mod canvas;
+pub mod canvas;
 mod labels;
 mod memory;
 mod plot;
 mod scatter;
 mod steps;
 
-use super::files;
 use super::view::View;
-use crate::error::{Error, Result};
-use std::path::Path;
+use crate::error::Result;
 
 /// Width of every chart in pixels; text is at least 12 px at this width.
 pub const WIDTH: i32 = 700;
@@ -28,9 +26,6 @@ pub struct Chart {
     /// The picture.
     pub svg: String,
 }
-
-/// First words of the file names, which mark the files in `charts/` that belong to the report.
-const KINDS: [&str; 5] = ["error-time", "error-bytes", "error-steps", "time", "memory"];
 
 /// Every chart that has data, case by case.
 pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
@@ -70,20 +65,4 @@ pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
         svg,
     }));
     Ok(out)
-}
-
-/// Writes the charts and removes those of an earlier report.
-pub fn write(folder: &Path, charts: &[Chart]) -> Result<()> {
-    if let Ok(entries) = std::fs::read_dir(folder) {
-        for entry in entries.flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let ours = name.ends_with(".svg") && KINDS.iter().any(|k| name.starts_with(k));
-            if ours && !charts.iter().any(|c| c.file == name) {
-                std::fs::remove_file(entry.path()).map_err(Error::writing(&entry.path()))?;
-            }
-        }
-    }
-    charts
-        .iter()
-        .try_for_each(|chart| files::write(&folder.join(&chart.file), chart.svg.as_bytes()))
 }

@@ -3,17 +3,22 @@
 use super::super::style::Style;
 use super::super::view::View;
 use super::WIDTH;
-use super::axis::{Axis, Tick};
-use super::canvas::{Canvas, GRID, Hang, INK, MUTED, Px, SMALL, TEXT, TITLE};
+use super::axis::{Axis, CROWDED, Tick};
+use super::canvas::{Canvas, GRID, Hang, INK, MUTED, Px, SMALL, TEXT, TITLE, ink_of};
 use crate::error::Result;
 use plotters::style::RGBColor;
 
 /// Left and right margin, px.
 pub const MARGIN: i32 = 16;
+/// Room for the marker before the label of a row, px.
+const ROW_LEAD: i32 = 18;
 /// Room under a plot for tick labels and the axis title.
 const UNDER: i32 = 48;
 /// Room for the two caption lines.
 const CAPTION: i32 = 44;
+
+/// Title of an axis of errors; they have no unit.
+pub const ERROR_TITLE: &str = "relative RMSE against the truth (log)";
 
 /// What stands before an entry of the legend.
 pub enum Key {
@@ -87,12 +92,6 @@ pub const FRONTIER_DASH: &[f64] = &[5.0, 4.0];
 /// Pattern of the line of the methods with a map.
 pub const MAP_DASH: &[f64] = &[2.0, 3.0];
 
-/// A method's colour for plotters.
-pub fn ink_of(style: Style) -> RGBColor {
-    let (r, g, b) = style.rgb;
-    RGBColor(r, g, b)
-}
-
 /// Draws the two lines at the foot: adapter with device type, then what the marks mean.
 pub fn caption(canvas: &Canvas<'_>, view: &View<'_>, height: i32, note: &str) -> Result<()> {
     let room = WIDTH - 2 * MARGIN;
@@ -100,6 +99,25 @@ pub fn caption(canvas: &Canvas<'_>, view: &View<'_>, height: i32, note: &str) ->
     canvas.text((MARGIN, height - 32), &adapter, SMALL, MUTED, Hang::Right)?;
     let note = canvas.fit(note, SMALL, room)?;
     canvas.text((MARGIN, height - 14), &note, SMALL, MUTED, Hang::Right)
+}
+
+/// Room that the labels of rows need at the left, px: no more than a third of the sheet.
+pub fn room_for_rows<'a>(
+    canvas: &Canvas<'_>,
+    labels: impl Iterator<Item = &'a str>,
+) -> Result<i32> {
+    let mut widest = 0;
+    for label in labels {
+        widest = widest.max(canvas.width(label, SMALL)?);
+    }
+    Ok((MARGIN + ROW_LEAD + widest + 12).min(WIDTH / 3))
+}
+
+/// Draws a row's label at the left: the method's marker and words that fit `room`.
+pub fn row_label(canvas: &Canvas<'_>, y: i32, method: &str, label: &str, room: i32) -> Result<()> {
+    canvas.marker((MARGIN + 6, y), 4.5, Style::of(method), false)?;
+    let label = canvas.fit(label, SMALL, room - MARGIN - ROW_LEAD - 10)?;
+    canvas.text((MARGIN + ROW_LEAD, y), &label, SMALL, INK, Hang::Right)
 }
 
 /// The rectangle of the data with its two axes.
@@ -208,9 +226,10 @@ impl Plot {
     }
 }
 
-/// Ticks with the ones that matter most first.
+/// Ticks that may get a label, the ones that matter most first: four or more of those leave no room for the rest.
 fn by_rank(ticks: &[Tick]) -> Vec<&Tick> {
-    let mut out: Vec<&Tick> = ticks.iter().collect();
+    let few = ticks.iter().filter(|t| t.rank < CROWDED).count() < 4;
+    let mut out: Vec<&Tick> = ticks.iter().filter(|t| few || t.rank < CROWDED).collect();
     out.sort_by_key(|t| t.rank);
     out
 }

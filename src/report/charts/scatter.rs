@@ -4,14 +4,13 @@ use super::super::pareto::frontier;
 use super::super::style::Style;
 use super::super::view::{Case, Shot, View};
 use super::axis::Axis;
-use super::canvas::{Canvas, Hang, INK, MUTED, Px, SMALL, sheet};
+use super::canvas::{Canvas, Hang, INK, MUTED, Px, SMALL, ink_of, sheet};
 use super::labels::Placer;
-use super::plot::{FRONTIER_DASH, Key, MAP_DASH, Plot, caption, ink_of, legend, title};
+use super::plot::{ERROR_TITLE, FRONTIER_DASH, Key, MAP_DASH, Plot, caption, legend, title};
 use crate::error::Result;
 use plotters::style::Color as _;
 
 const HEIGHT: i32 = 520;
-const ERROR: &str = "relative RMSE against the truth (1, log)";
 
 /// One cell in a scatter chart.
 struct Dot<'a> {
@@ -73,7 +72,7 @@ fn dots<'a>(
 ) -> Vec<Dot<'a>> {
     let dot = |s: Shot<'a>| {
         let (x, spread) = cost(&s)?;
-        let y = s.numbers.error.rel_rmse;
+        let y = s.rel_rmse();
         Some(Dot {
             method: &s.cell.method,
             label: view.short(s.cell),
@@ -105,13 +104,10 @@ fn draw(
             .collect();
         keys.push((Key::Frontier, "Pareto frontier".to_owned()));
         if !with_map.is_empty() {
-            keys.push((
-                Key::MapFrontier,
-                "frontier of methods with a map".to_owned(),
-            ));
+            keys.push((Key::MapFrontier, "frontier of maps alone".to_owned()));
         }
         let top = legend(canvas, top, &keys)?;
-        let y = Axis::log(ERROR, "0", dots.iter().map(|d| d.y));
+        let y = Axis::log(ERROR_TITLE, "0", dots.iter().map(|d| d.y));
         let plot = Plot::new(top, HEIGHT, 84, x, y);
         plot.draw(canvas)?;
         let lines = [stairs(&plot, dots, &best), stairs(&plot, dots, &with_map)];

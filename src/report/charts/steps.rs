@@ -3,8 +3,8 @@
 use super::super::style::Style;
 use super::super::view::{Case, View, distinct};
 use super::axis::Axis;
-use super::canvas::sheet;
-use super::plot::{Key, Plot, caption, ink_of, legend, title};
+use super::canvas::{ink_of, sheet};
+use super::plot::{ERROR_TITLE, Key, Plot, caption, legend, title};
 use crate::error::Result;
 
 /// Cells that differ in nothing but `steps`.
@@ -50,16 +50,8 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
             .collect();
         let top = legend(canvas, top, &keys)?;
         let all = || lines.iter().flat_map(|l| l.points.iter());
-        let x = Axis::log(
-            "steps of the light or map march (1, log)",
-            "0",
-            all().map(|p| p.0),
-        );
-        let y = Axis::log(
-            "relative RMSE against the truth (1, log)",
-            "0",
-            all().map(|p| p.1),
-        );
+        let x = Axis::log_at("steps of the light or map march (log)", all().map(|p| p.0));
+        let y = Axis::log(ERROR_TITLE, "0", all().map(|p| p.1));
         let plot = Plot::new(top, height, 84, x, y);
         plot.draw(canvas)?;
         for (line, style, pattern) in &styled {
@@ -90,7 +82,7 @@ fn lines<'a>(view: &View<'_>, case: &Case<'a>) -> Vec<Line<'a>> {
             continue;
         };
         let key: Vec<_> = cell.params.iter().filter(|(k, _)| *k != "steps").collect();
-        let point = (steps, shot.numbers.error.rel_rmse);
+        let point = (steps, shot.rel_rmse());
         match groups
             .iter_mut()
             .find(|(k, l)| l.method == cell.method && *k == key)

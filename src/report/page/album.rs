@@ -2,10 +2,8 @@
 
 use super::super::files;
 use base64::Engine as _;
-use image::imageops::FilterType;
-use image::{DynamicImage, ImageFormat};
+use image::imageops::{self, FilterType};
 use serde_json::{Map, Value};
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// Wider pictures are embedded at this width and linked to the full file.
@@ -88,34 +86,16 @@ impl Album {
     }
 
     fn read(&self, name: &str) -> Result<(String, (u32, u32)), String> {
-        let path = files::inside(&self.folder, name)?;
-        let bytes = std::fs::read(&path).map_err(|e| unreadable(name, &e))?;
-        let picture = image::load_from_memory_with_format(&bytes, ImageFormat::Png)
-            .map_err(|e| format!("`{name}` is not a PNG that can be shown: {e}"))?;
-        let size = (picture.width(), picture.height());
-        if size.0 <= WIDEST {
-            return Ok((data_uri(&bytes), size));
+        let (bytes, picture) = files::picture(&self.folder, name)?;
+        let (width, height) = picture.dimensions();
+        if width <= WIDEST {
+            return Ok((data_uri(&bytes), (width, height)));
         }
-        let height = (f64::from(size.1) * f64::from(WIDEST) / f64::from(size.0))
-            .round()
-            .max(1.0) as u32;
-        let small = DynamicImage::ImageRgb8(picture.to_rgb8()).resize_exact(
-            WIDEST,
-            height,
-            FilterType::Triangle,
-        );
-        let mut png = Cursor::new(Vec::new());
-        small
-            .write_to(&mut png, ImageFormat::Png)
-            .map_err(|e| format!("`{name}` cannot be scaled: {e}"))?;
-        Ok((data_uri(png.get_ref()), (WIDEST, height)))
-    }
-}
-
-fn unreadable(name: &str, problem: &std::io::Error) -> String {
-    match problem.kind() {
-        std::io::ErrorKind::NotFound => format!("`{name}` is not in the report folder"),
-        _ => format!("`{name}` cannot be read: {problem}"),
+        let small_height = f64::from(height) * f64::from(WIDEST) / f64::from(width);
+        let size = (WIDEST, small_height.round().max(1.0) as u32);
+        let small = imageops::resize(&picture, size.0, size.1, FilterType::Triangle);
+        let png = files::png(&small).map_err(|e| format!("`{name}` cannot be scaled: {e}"))?;
+        Ok((data_uri(&png), size))
     }
 }
 

@@ -1,122 +1,187 @@
-//! "Which method?": the cells that nothing beats, by time and by memory.
+//! "Which method?": the fastest setting for an error, the smallest error for a budget, in each view and in all of them.
 
-use super::super::format::{bytes, ms, number, signed_percent};
-use super::super::pareto::frontier;
-use super::super::view::{Shot, View};
-use super::parts;
+use super::super::format::{map_size, maybe, ms, number};
+use super::super::view::{Case, Shot, View, distinct};
+use super::{frontier, parts};
 use maud::{Markup, html};
+use std::cmp::Ordering;
 
-/// The section, with two small tables for each case.
+/// Limits of the relative error that the first table answers.
+const LIMITS: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.5];
+
+/// What a setting costs in one view, or at worst in all.
+struct Offer<'a> {
+    shot: Shot<'a>,
+    rel_rmse: f64,
+    total_ms: Option<f64>,
+    map_bytes: u64,
+}
+
+impl<'a> Offer<'a> {
+    fn new(shot: Shot<'a>) -> Self {
+        Self {
+            shot,
+            rel_rmse: shot.rel_rmse(),
+            total_ms: shot.total_ms(),
+            map_bytes: shot.numbers.memory.map_bytes,
+        }
+    }
+
+    /// The worse of two views, number by number; a time that is missing in one is missing.
+    fn worse(mut self, other: &Shot<'_>) -> Self {
+        self.rel_rmse = self.rel_rmse.max(other.rel_rmse());
+        self.total_ms = self.total_ms.zip(other.total_ms()).map(|(a, b)| a.max(b));
+        self.map_bytes = self.map_bytes.max(other.numbers.memory.map_bytes);
+        self
+    }
+
+    /// The cheaper first: by time, then by memory, then by error. What has no time comes last.
+    fn by_cost(&self, other: &Self) -> Ordering {
+        let time = |o: &Self| o.total_ms.unwrap_or(f64::INFINITY);
+        time(self)
+            .total_cmp(&time(other))
+            .then(self.map_bytes.cmp(&other.map_bytes))
+            .then(self.rel_rmse.total_cmp(&other.rel_rmse))
+    }
+}
+
+/// The settings that have numbers in every case, each with its worst.
+fn everywhere<'a>(cases: &[Case<'a>]) -> Vec<Offer<'a>> {
+    let Some((first, rest)) = cases.split_first() else {
+        return Vec::new();
+    };
+    let rest: Vec<Vec<Shot<'a>>> = rest.iter().map(Case::shots).collect();
+    let same = |a: &Shot<'_>, b: &Shot<'_>| {
+        a.cell.method == b.cell.method && a.cell.params == b.cell.params
+    };
+    let worst = |shot: Shot<'a>| {
+        rest.iter().try_fold(Offer::new(shot), |offer, shots| {
+            Some(offer.worse(shots.iter().find(|s| same(s, &shot))?))
+        })
+    };
+    first.shots().into_iter().filter_map(worst).collect()
+}
+
+/// The section.
 pub fn section(view: &View<'_>) -> Markup {
+    let timed = view
+        .cases
+        .iter()
+        .any(|c| c.shots().iter().any(|s| s.total_ms().is_some()));
     html! {
         section #which {
             h2 { "Which method?" }
-            p {
-                "Only settings that no other setting beats in both cost and error (the Pareto frontier). "
-                "Read a row as: with this much time, or this much memory, this is the smallest error to be had."
+            @if timed {
+                p { "For an error you can accept, the fastest setting that keeps it. " (MEANING) }
+            } @else {
+                p.notice { "Times are n/a: the adapter gives no timestamps." }
+                p { "For an error you can accept, the setting with the smallest map that keeps it. " (MEANING) }
             }
-            @for case in &view.cases {
-                h3 { (case.name) }
-                @let shots = case.shots();
-                @if shots.is_empty() { p.notice { "Every cell of this scene and sun failed." } }
-                @else {
-                    div.pair {
-                        (by_time(view, &shots))
-                        (by_memory(view, &shots))
+            (by_error(view))
+            (by_budget(view))
+            h3 { "What nothing beats" }
+            p {
+                "The Pareto frontier of each scene and sun: the settings that no other setting beats in both cost and error."
+            }
+            @for case in &view.cases { (frontier::of_case(view, case)) }
+        }
+    }
+}
+
+/// What the error of this section is.
+const MEANING: &str = "The error is rel_rmse: the RMS difference of the sun-lit radiance from the truth over the \
+    truth's own RMS; 0 is equal, 1 as wrong as no light at all.";
+
+/// Name of the row for all views at once.
+const EVERY_VIEW: &str = "every view";
+
+fn by_error(view: &View<'_>) -> Markup {
+    let head = html! {
+        th scope="col" { "Scene and sun" }
+        @for limit in LIMITS { th scope="col" { "rel_rmse ≤ " (limit) } }
+    };
+    let row = |name: &str, offers: &[Offer<'_>]| {
+        html! {
+            tr {
+                th scope="row" { (name) }
+                @for limit in LIMITS { td data-label={ "rel_rmse ≤ " (limit) } { (answer(view, offers, limit)) } }
+            }
+        }
+    };
+    let body = html! {
+        @for case in &view.cases {
+            @let offers: Vec<Offer<'_>> = case.shots().into_iter().map(Offer::new).collect();
+            (row(&case.name, &offers))
+        }
+        @if view.cases.len() > 1 { (row(EVERY_VIEW, &everywhere(&view.cases))) }
+    };
+    let caption = html! {
+        "Median time of one picture, bytes of the map."
+        @if view.cases.len() > 1 { " Last row: one setting for all views, by its worst error and time." }
+    };
+    parts::table(view, caption, "answers totals", head, body)
+}
+
+/// The cheapest offer within the limit, or how close the best one comes.
+fn answer(view: &View<'_>, offers: &[Offer<'_>], limit: f64) -> Markup {
+    let within = offers.iter().filter(|o| o.rel_rmse <= limit);
+    let best = offers.iter().map(|o| o.rel_rmse).min_by(f64::total_cmp);
+    match within.min_by(|a, b| a.by_cost(b)) {
+        Some(offer) => html! {
+            div.choice { (parts::method(&offer.shot.cell.method)) " " (parts::setting(view, &offer.shot)) }
+            div { span.whole { (ms(offer.total_ms)) " ·" } " " span.whole { (map_size(offer.map_bytes)) } }
+        },
+        None => html! { span.na { "none measured" br; "least: " (maybe(best)) } },
+    }
+}
+
+/// The form that works with the script, and is hidden without it. The script takes the cells from the table of all.
+fn by_budget(view: &View<'_>) -> Markup {
+    let shots: Vec<Shot<'_>> = view.cases.iter().flat_map(Case::shots).collect();
+    let mut times: Vec<f64> = shots.iter().filter_map(Shot::total_ms).collect();
+    times.sort_by(f64::total_cmp);
+    let usual = times.get(times.len() / 2).map(|t| two_digits(*t));
+    let mut sizes = distinct(shots.iter().map(|s| s.numbers.memory.map_bytes));
+    sizes.sort_unstable();
+    let row = |name: &str, number: Option<usize>| {
+        html! {
+            tr data-view=[number] {
+                th scope="row" { (name) }
+                td.what {} td.with {} td.n.error {} td.n.ms {} td.n.bytes {}
+            }
+        }
+    };
+    let head = html! {
+        th scope="col" { "Scene and sun" } th scope="col" { "Method" } th scope="col" { "Setting" }
+        th.n scope="col" { "rel_rmse" } th.n scope="col" { "Time " span.unit { "ms" } } th.n scope="col" { "Map" }
+    };
+    let body = html! {
+        @for case in &view.cases { (row(&case.name, Some(case.number))) }
+        @if view.cases.len() > 1 { (row(EVERY_VIEW, None)) }
+    };
+    html! {
+        div.budget hidden {
+            h3 { "Within a budget" }
+            p { "For the time and the memory you have, the setting with the smallest error." }
+            p.fields {
+                label { "Time at most " input name="ms" type="number" min="0" step="any" value=[usual]; " ms" }
+                label {
+                    "Map at most "
+                    select name="bytes" {
+                        option value="" { "any" }
+                        @for size in sizes { option value=(size) { (map_size(size)) } }
                     }
                 }
             }
+            (parts::table(view, "An empty field is no limit.", "small totals", head, body))
         }
     }
 }
 
-fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
-    let timed: Vec<&Shot<'_>> = shots.iter().filter(|s| s.total_ms().is_some()).collect();
-    if timed.is_empty() {
-        return html! { p.notice { "Times are n/a: the adapter gives no timestamps." } };
-    }
-    let points: Vec<_> = timed
-        .iter()
-        .map(|s| {
-            (
-                s.total_ms().unwrap_or(f64::INFINITY),
-                s.numbers.error.rel_rmse,
-            )
-        })
-        .collect();
-    let untimed = shots.len() - timed.len();
-    let caption = html! {
-        "Smallest error for a given time."
-        @if untimed > 0 { " Without " (parts::plural(untimed, "cell")) " whose time is n/a." }
-    };
-    let head = html! {
-        th.n scope="col" { "Time " span.unit { "ms" } br; span.unit { "median" br; "min–p95" } }
-        (columns())
-        th.n scope="col" { "Map" }
-    };
-    let body = html! {
-        @for shot in frontier(&points).into_iter().map(|i| timed[i]) {
-            @let total = shot.numbers.time_ms.total.unwrap_or_default();
-            tr {
-                td.n { strong { (number(total.median)) } br; span.unit { (number(total.min)) "–" (number(total.p95)) } }
-                (cells(view, shot))
-                td.n { (bytes(shot.numbers.memory.map_bytes)) }
-            }
-        }
-    };
-    parts::table(view, caption, "small", head, body)
-}
-
-fn by_memory(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
-    let points: Vec<_> = shots
-        .iter()
-        .map(|s| (s.map_bytes(), s.numbers.error.rel_rmse))
-        .collect();
-    let best = frontier(&points);
-    let only_maps: Vec<_> = points
-        .iter()
-        .map(|p| if p.0 > 0.0 { *p } else { (f64::NAN, p.1) })
-        .collect();
-    let mut with_map = frontier(&only_maps);
-    with_map.retain(|i| !best.contains(i));
-    let caption = html! {
-        "Smallest error for given memory of the map."
-        @if !with_map.is_empty() { " Below the line: among methods with a map." }
-    };
-    let head = html! {
-        th.n scope="col" { "Map" }
-        (columns())
-        th.n scope="col" { "Time" }
-    };
-    let body = html! {
-        @for (i, shot) in best.iter().chain(&with_map).map(|&i| &shots[i]).enumerate() {
-            tr.divided[i == best.len()] {
-                td.n { strong { (bytes(shot.numbers.memory.map_bytes)) } }
-                (cells(view, shot))
-                td.n { (ms(shot.total_ms())) }
-            }
-        }
-    };
-    parts::table(view, caption, "small", head, body)
-}
-
-fn columns() -> Markup {
-    html! {
-        th scope="col" { "Method" }
-        th scope="col" { "Setting" }
-        th.n scope="col" { "rel_rmse" }
-        th.n scope="col" { "Leak" }
-        th.n scope="col" { "Darken" }
-    }
-}
-
-fn cells(view: &View<'_>, shot: &Shot<'_>) -> Markup {
-    let error = &shot.numbers.error;
-    html! {
-        td { (parts::method(&shot.cell.method)) }
-        td { (parts::setting(view, shot)) }
-        td.n { (number(error.rel_rmse)) }
-        td.n { (signed_percent(error.leak)) }
-        td.n { (signed_percent(error.darken)) }
-    }
+/// A time rounded to two digits, as a field shows it.
+fn two_digits(value: f64) -> f64 {
+    let unit = 10f64.powf(value.log10().floor() - 1.0);
+    number((value / unit).round() * unit)
+        .parse()
+        .unwrap_or(value)
 }

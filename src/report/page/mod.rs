@@ -3,12 +3,14 @@
 mod album;
 mod choose;
 mod figures;
+mod frontier;
 mod parts;
 mod pictures;
 mod table;
 mod tail;
 
 use super::charts::Chart;
+use super::contact::Sheet;
 use super::format::shorten;
 use super::view::{View, distinct, plain};
 use album::Album;
@@ -16,7 +18,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::path::Path;
 
 /// The page; pictures are read from `folder` and embedded.
-pub fn html(folder: &Path, view: &View<'_>, charts: &[Chart]) -> String {
+pub fn html(folder: &Path, view: &View<'_>, charts: &[Chart], sheets: &[Sheet]) -> String {
     let mut album = Album::new(folder);
     let name = experiment_name(view);
     let page = html! {
@@ -33,7 +35,7 @@ pub fn html(folder: &Path, view: &View<'_>, charts: &[Chart]) -> String {
                 main {
                     (tail::failures(view))
                     (choose::section(view))
-                    (pictures::section(view, &mut album))
+                    (pictures::section(view, &mut album, sheets))
                     (figures::section(view, charts))
                     (table::section(view, &album))
                     (tail::claims(view))

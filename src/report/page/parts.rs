@@ -2,7 +2,7 @@
 
 use super::super::format::NONE;
 use super::super::style::Style;
-use super::super::view::{Shot, View};
+use super::super::view::{Shot, View, all_params};
 use maud::{Markup, PreEscaped, Render, html};
 use std::fmt::Write as _;
 
@@ -33,14 +33,8 @@ fn swatch(id: &str) -> PreEscaped<String> {
 
 /// The setting of a cell, every parameter on hover.
 pub fn setting(view: &View<'_>, shot: &Shot<'_>) -> Markup {
-    let all: Vec<String> = shot
-        .cell
-        .params
-        .iter()
-        .map(|(k, v)| format!("{k}={}", super::super::view::plain(v)))
-        .collect();
     let text = view.setting(shot.cell);
-    html! { span.setting title=(all.join(" ")) { @if text.is_empty() { "–" } @else { (text) } } }
+    html! { span.setting title=(all_params(shot.cell)) { @if text.is_empty() { "–" } @else { (text) } } }
 }
 
 /// A cell of a table that sorts by `value`; without one it reads "n/a" and sorts last.

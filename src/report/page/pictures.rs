@@ -1,13 +1,18 @@
 //! Picture sheets: the truth beside the best setting of every method, and any cell beside the truth.
 
-use super::super::format::{bytes, ms, number, signed_percent};
+use super::super::contact::Sheet;
+use super::super::format::{map_size, ms, number, signed_percent};
 use super::super::view::{Case, Shot, View};
 use super::album::{Album, Picture};
 use super::parts;
+use crate::frame::FALSE_COLOUR_STOPS;
 use maud::{Markup, html};
 
+/// Cards beside each other on a wide screen; the rows are filled as evenly as they go.
+const MOST_COLUMNS: usize = 6;
+
 /// The section, one sheet for each case.
-pub fn section(view: &View<'_>, album: &mut Album) -> Markup {
+pub fn section(view: &View<'_>, album: &mut Album, sheets: &[Sheet]) -> Markup {
     html! {
         section #pictures {
             h2 { "Pictures" }
@@ -16,21 +21,25 @@ pub fn section(view: &View<'_>, album: &mut Album) -> Markup {
                 "difference from the truth; one colour scale serves all differences of a scene. "
                 "Measured on " (view.adapter()) "."
             }
-            @for case in &view.cases { (sheet(view, case, album)) }
+            @for case in &view.cases {
+                (sheet(view, case, album, sheets.iter().find(|s| s.case == case.number)))
+            }
         }
     }
 }
 
-fn sheet(view: &View<'_>, case: &Case<'_>, album: &mut Album) -> Markup {
+fn sheet(view: &View<'_>, case: &Case<'_>, album: &mut Album, file: Option<&Sheet>) -> Markup {
     let best: Vec<(&str, Option<Shot<'_>>)> = case
         .methods()
         .into_iter()
-        .map(|m| (m, case.best(m)))
+        .map(|m| (m, case.by_error(m).first().copied()))
         .collect();
+    let cards = best.len() + 1;
+    let columns = cards.div_ceil(cards.div_ceil(MOST_COLUMNS));
     html! {
         article.case data-case=(case.number) {
             h3 { (case.name) }
-            div.sheet {
+            div.sheet style={ "--columns:" (columns) } {
                 (truth(case, album))
                 @for (method, shot) in &best {
                     @match shot {
@@ -40,6 +49,9 @@ fn sheet(view: &View<'_>, case: &Case<'_>, album: &mut Album) -> Markup {
                 }
             }
             (compare(view, case, &best, album))
+            @if let Some(file) = file {
+                p.unit { "Truth and methods as one picture: " a href={ "./charts/" (file.file) } { (file.file) } }
+            }
         }
     }
 }
@@ -66,21 +78,25 @@ fn truth(case: &Case<'_>, album: &mut Album) -> Markup {
 
 /// What the colours of the differences mean; the scale is the record's `diff_scale` where it names one.
 fn color_bar(case: &Case<'_>) -> Markup {
-    let scale = case
-        .shots()
-        .iter()
-        .find_map(|s| s.numbers.files.get("diff_scale").and_then(|v| v.as_f64()));
+    let scale = case.diff_scale();
     let end = |sign: &str, word: &str| match scale {
         Some(s) => format!("{sign}{s}"),
         None => word.to_owned(),
     };
     html! {
         div.colorbar {
-            p { "difference from the truth" @if scale.is_some() { ", ΔL / mean L" } }
-            div.bar role="img" aria-label="blue: darker than the truth, white: equal, red: brighter" {}
+            p { "difference" @if scale.is_some() { ", ΔL / mean L" } }
+            div.bar role="img" aria-label="blue: darker than the truth, white: equal, red: brighter" style=(gradient()) {}
             div.ends { span { (end("−", "darker")) } span { "0" } span { (end("+", "brighter")) } }
         }
     }
+}
+
+/// The colours of the differences, as the pictures have them.
+fn gradient() -> String {
+    let stop = |(_, [r, g, b]): &(f32, [u8; 3])| format!("rgb({r} {g} {b})");
+    let stops: Vec<String> = FALSE_COLOUR_STOPS.iter().map(stop).collect();
+    format!("background:linear-gradient(90deg,{})", stops.join(","))
 }
 
 fn card(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &mut Album) -> Markup {
@@ -107,7 +123,7 @@ fn numbers(shot: &Shot<'_>) -> Markup {
             dt { "leak" } dd { (signed_percent(error.leak)) }
             dt { "darken" } dd { (signed_percent(error.darken)) }
             dt { "time" } dd { (ms(shot.total_ms())) }
-            dt { "map" } dd { (bytes(shot.numbers.memory.map_bytes)) }
+            dt { "map" } dd { (map_size(shot.numbers.memory.map_bytes)) }
         }
     }
 }
@@ -145,13 +161,14 @@ fn compare(
         return html! {};
     }
     html! {
-        div.compare hidden {
+        details.compare hidden {
+            summary { "Compare any cell with the truth" }
             label {
-                "Compare with the truth: "
+                "Cell: "
                 select {
                     @for shot in &shots {
                         option value=(shot.cell.index) {
-                            (view.short(shot.cell)) " · rel_rmse " (number(shot.numbers.error.rel_rmse))
+                            (view.short(shot.cell)) " · rel_rmse " (number(shot.rel_rmse()))
                         }
                     }
                 }

@@ -22,6 +22,44 @@ for (const table of document.querySelectorAll("table.sortable")) {
     body.append(...rows.map(r => r.row));
   }));
 }
+// Choosing: in each view, and over all of them by the worst view, the smallest error within the budget.
+const budget = document.querySelector(".budget");
+if (budget) {
+  const views = [...budget.querySelectorAll("tr[data-view]")].length;
+  const offer = row => ({
+    row, view: row.dataset.view, setting: row.dataset.setting, error: Number(row.dataset.error),
+    ms: row.dataset.ms === undefined ? Infinity : Number(row.dataset.ms), bytes: Number(row.dataset.bytes),
+  });
+  const offers = [...document.querySelectorAll("#cells tr[data-view]")].map(offer);
+  const worst = new Map();
+  for (const o of offers) {
+    const w = worst.get(o.setting) ?? { ...o, error: 0, ms: 0, bytes: 0, seen: new Set() };
+    w.seen.add(o.view);
+    for (const key of ["error", "ms", "bytes"]) w[key] = Math.max(w[key], o[key]);
+    worst.set(o.setting, w);
+  }
+  const everywhere = [...worst.values()].filter(w => w.seen.size === views);
+  const [time, memory] = [budget.querySelector("[name=ms]"), budget.querySelector("[name=bytes]")];
+  const limit = field => field.value === "" ? Infinity : Number(field.value);
+  const digits = value => Number.isFinite(value) ? String(Number(value.toPrecision(3))) : "n/a";
+  const choose = () => {
+    for (const line of budget.querySelectorAll("tbody tr")) {
+      const all = line.dataset.view === undefined ? everywhere : offers.filter(o => o.view === line.dataset.view);
+      const fits = all.filter(o => o.ms <= limit(time) && o.bytes <= limit(memory));
+      const best = fits.reduce((a, b) => a && a.error <= b.error ? a : b, undefined);
+      const put = (name, ...what) => line.querySelector(name).replaceChildren(...what);
+      put(".what", best ? best.row.querySelector(".method").cloneNode(true) : "nothing fits");
+      put(".with", best ? best.row.querySelector(".setting").cloneNode(true) : "");
+      put(".error", best ? digits(best.error) : "");
+      put(".ms", best ? digits(best.ms) : "");
+      const size = best && [...memory.options].find(o => Number(o.value) === best.bytes && o.value !== "");
+      put(".bytes", size ? size.textContent : "");
+    }
+  };
+  for (const field of [time, memory]) field.addEventListener("input", choose);
+  budget.hidden = false;
+  choose();
+}
 // Comparing: the chosen cell's picture beside the truth.
 for (const article of document.querySelectorAll("article.case")) {
   const box = article.querySelector(".compare");

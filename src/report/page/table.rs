@@ -1,7 +1,7 @@
 //! Every cell and every number, sortable.
 
 use super::super::format::{bytes, count, number, percent, signed_percent};
-use super::super::view::{Case, Shot, View};
+use super::super::view::{Case, Shot, View, all_params, distinct, pairs};
 use super::album::Album;
 use super::parts::{self, cell, heading};
 use maud::{Markup, html};
@@ -13,18 +13,18 @@ const COLUMNS: [(&str, &str); 36] = [
     ("Sun", "°"),
     ("Method", ""),
     ("Setting", ""),
-    ("rel_rmse", "1"),
-    ("floor_rel_rmse", "1"),
+    ("rel_rmse", ""),
+    ("floor_rel_rmse", ""),
     ("Bias", "%"),
     ("Leak", "%"),
     ("Darken", "%"),
     ("p99_abs", "mean L"),
     ("max_abs", "mean L"),
-    ("T RMSE", "1"),
-    ("FLIP mean", "1"),
-    ("FLIP p99", "1"),
+    ("T RMSE", ""),
+    ("FLIP mean", ""),
+    ("FLIP p99", ""),
     ("PSNR", "dB"),
-    ("SSIM", "1"),
+    ("SSIM", ""),
     ("Flicker, pan", "mean L"),
     ("Flicker, sun", "mean L"),
     ("Not finite", "channels"),
@@ -79,7 +79,8 @@ fn row(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &Album) -> Mark
         .and_then(|v| v.as_str())
         .and_then(|n| album.link(n));
     html! {
-        tr {
+        tr data-view=(case.number) data-setting=(setting_key(shot)) data-error=(shot.rel_rmse())
+            data-ms=[shot.total_ms()] data-bytes=(shot.numbers.memory.map_bytes) {
             td.n data-v=(shot.cell.index) { (shot.cell.index) }
             td title=(case.name) { (case.name) }
             td.n data-v=(shot.cell.sun_elevation_deg) { (shot.cell.sun_elevation_deg) }
@@ -91,6 +92,11 @@ fn row(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &Album) -> Mark
             td { @match picture { Some(link) => a href=(link) { "png" }, None => span.na { "missing" } } }
         }
     }
+}
+
+/// The same for the cells of one method at one setting, whatever their scene and sun.
+fn setting_key(shot: &Shot<'_>) -> String {
+    format!("{} {}", shot.cell.method, all_params(shot.cell))
 }
 
 fn errors(shot: &Shot<'_>) -> Markup {
@@ -141,14 +147,12 @@ fn costs(shot: &Shot<'_>) -> Markup {
 
 /// Parameters that all cells of a method share, which the column "Setting" leaves out.
 fn fixed(view: &View<'_>) -> Markup {
-    let methods = super::super::view::distinct(view.report.cells.iter().map(|c| c.method.as_str()));
+    let methods = distinct(view.report.cells.iter().map(|c| c.method.as_str()));
     let shared = |method: &str| {
         let cell = view.report.cells.iter().find(|c| c.method == method);
         let params = cell.into_iter().flat_map(|c| &c.params);
-        let same = params.filter(|(k, _)| !view.varying(method).contains(&k.as_str()));
-        same.map(|(k, v)| format!("{k}={}", super::super::view::plain(v)))
-            .collect::<Vec<_>>()
-            .join(" ")
+        let params = params.map(|(k, v)| (k.as_str(), v));
+        pairs(params.filter(|(k, _)| !view.varying(method).contains(k)))
     };
     let head = html! { th scope="col" { "Method" } th scope="col" { "The same in all its cells" } };
     let body = html! {

@@ -1,7 +1,7 @@
 //! What failed, what it was measured against, where and how long, and what the numbers mean.
 
 use super::super::format::{NONE, count, maybe, ms, number};
-use super::super::view::{View, distinct, plain};
+use super::super::view::{View, all_params, distinct, plain};
 use super::parts::{self, cell};
 use crate::batch::record::Reference;
 use maud::{Markup, html};
@@ -25,7 +25,7 @@ pub fn failures(view: &View<'_>) -> Markup {
                 td { (cell.scene) }
                 td.n { (cell.sun_elevation_deg) "°" }
                 td { (parts::method(&cell.method)) }
-                td.setting.long { @for (k, v) in &cell.params { (k) "=" (plain(v)) " " } }
+                td.setting.long { (all_params(cell)) }
                 td.reason { (cell.failed.as_deref().unwrap_or("no reason recorded")) }
             }
         }
@@ -69,7 +69,7 @@ pub fn references(view: &View<'_>) -> Markup {
     let head = html! {
         @for (name, unit) in [
             ("Scene", ""), ("Sun", "°"), ("Image", "px"), ("March", "ms"), ("View samples", ""), ("Light samples", ""),
-            ("Throughput", "Msamples/s"), ("Time ÷ srm, 10 steps", "1"), ("View-step error", "1"), ("Source", ""),
+            ("Throughput", "Msamples/s"), ("Time ÷ srm, 10 steps", ""), ("View-step error", ""), ("Source", ""),
         ] { (parts::heading(name, unit, !["Scene", "Source"].contains(&name))) }
     };
     let body = html! {

@@ -1,0 +1,110 @@
+//! The cells of each scene and sun that nothing beats, by time and by memory.
+
+use super::super::format::{map_size, ms, number, signed_percent};
+use super::super::pareto::frontier;
+use super::super::view::{Case, Shot, View};
+use super::parts;
+use maud::{Markup, html};
+
+/// Both tables of one case, folded away.
+pub fn of_case(view: &View<'_>, case: &Case<'_>) -> Markup {
+    let shots = case.shots();
+    html! {
+        @if shots.is_empty() { p.notice { (case.name) ": every cell failed." } }
+        @else {
+            details {
+                summary { "Frontier of " (case.name) }
+                div.pair {
+                    (by_time(view, &shots))
+                    (by_memory(view, &shots))
+                }
+            }
+        }
+    }
+}
+
+fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
+    let timed: Vec<&Shot<'_>> = shots.iter().filter(|s| s.total_ms().is_some()).collect();
+    if timed.is_empty() {
+        return html! { p.notice { "Times are n/a: the adapter gives no timestamps." } };
+    }
+    let points: Vec<_> = timed
+        .iter()
+        .map(|s| (s.total_ms().unwrap_or(f64::INFINITY), s.rel_rmse()))
+        .collect();
+    let untimed = shots.len() - timed.len();
+    let caption = html! {
+        "Smallest error for a given time."
+        @if untimed > 0 { " Without " (parts::plural(untimed, "cell")) " whose time is n/a." }
+    };
+    let head = html! {
+        th.n scope="col" { "Time " span.unit { "ms" } br; span.unit { "median" br; "min–p95" } }
+        (columns())
+        th.n scope="col" { "Map" }
+    };
+    let body = html! {
+        @for shot in frontier(&points).into_iter().map(|i| timed[i]) {
+            @let total = shot.numbers.time_ms.total.unwrap_or_default();
+            tr {
+                td.n { strong { (number(total.median)) } br; span.unit { (number(total.min)) "–" (number(total.p95)) } }
+                (cells(view, shot))
+                td.n { (map_size(shot.numbers.memory.map_bytes)) }
+            }
+        }
+    };
+    parts::table(view, caption, "small", head, body)
+}
+
+fn by_memory(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
+    let points: Vec<_> = shots
+        .iter()
+        .map(|s| (s.map_bytes(), s.rel_rmse()))
+        .collect();
+    let best = frontier(&points);
+    let only_maps: Vec<_> = points
+        .iter()
+        .map(|p| if p.0 > 0.0 { *p } else { (f64::NAN, p.1) })
+        .collect();
+    let mut with_map = frontier(&only_maps);
+    with_map.retain(|i| !best.contains(i));
+    let caption = html! {
+        "Smallest error for given memory of the map."
+        @if !with_map.is_empty() { " Below the line: among methods with a map." }
+    };
+    let head = html! {
+        th.n scope="col" { "Map" }
+        (columns())
+        th.n scope="col" { "Time" }
+    };
+    let body = html! {
+        @for (i, shot) in best.iter().chain(&with_map).map(|&i| &shots[i]).enumerate() {
+            tr.divided[i == best.len()] {
+                td.n { strong { (map_size(shot.numbers.memory.map_bytes)) } }
+                (cells(view, shot))
+                td.n { (ms(shot.total_ms())) }
+            }
+        }
+    };
+    parts::table(view, caption, "small", head, body)
+}
+
+fn columns() -> Markup {
+    html! {
+        th scope="col" { "Method" }
+        th scope="col" { "Setting" }
+        th.n scope="col" { "rel_rmse" }
+        th.n scope="col" { "Leak" }
+        th.n scope="col" { "Darken" }
+    }
+}
+
+fn cells(view: &View<'_>, shot: &Shot<'_>) -> Markup {
+    let error = &shot.numbers.error;
+    html! {
+        td { (parts::method(&shot.cell.method)) }
+        td { (parts::setting(view, shot)) }
+        td.n { (number(error.rel_rmse)) }
+        td.n { (signed_percent(error.leak)) }
+        td.n { (signed_percent(error.darken)) }
+    }
+}
