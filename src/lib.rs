@@ -16,6 +16,7 @@ pub mod frame;
 pub mod gpu;
 pub mod metrics;
 pub mod occlusion;
+pub mod oracle;
 pub mod raymarch;
 pub mod report;
 pub mod scene;
