@@ -33,7 +33,7 @@ impl LightOcclusion for Bsm {
             source: include_str!("../../shaders/occlusion/bsm.wgsl"),
             params: &[MAP_PARAMS, PARAMS],
             monotone: true,
-            tolerance: 1e-3,
+            tolerance: 1e-4,
         }
     }
 

@@ -34,7 +34,7 @@ impl LightOcclusion for Esm {
             source: include_str!("../../shaders/occlusion/esm.wgsl"),
             params: &[MAP_PARAMS, PARAMS],
             monotone: true,
-            tolerance: 1e-3,
+            tolerance: 2e-5,
         }
     }
 

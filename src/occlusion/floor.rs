@@ -19,7 +19,7 @@ impl LightOcclusion for Floor {
             source: include_str!("../../shaders/occlusion/floor.wgsl"),
             params: &[MAP_PARAMS],
             monotone: true,
-            tolerance: 1e-3,
+            tolerance: 2e-5,
         }
     }
 

@@ -53,7 +53,7 @@ impl LightOcclusion for Fom {
             source: include_str!("../../shaders/occlusion/fom.wgsl"),
             params: &[MAP_PARAMS, PARAMS],
             monotone: false,
-            tolerance: 1e-3,
+            tolerance: 2e-5,
         }
     }
 

@@ -57,8 +57,8 @@ pub struct MethodInfo {
     pub params: &'static [&'static [ParamSpec]],
     /// V never increases with depth along a light column (with look-up `nearest` and form `stable`).
     pub monotone: bool,
-    /// Largest relative RMSE between a picture's sunlight on a device and by the oracle, at the same parameters, with the
-    /// storage rounding emulated and without filtered noise textures. What it is made of: `tests/oracle.rs`.
+    /// Largest relative RMSE between a picture's sunlight on a device and by the oracle, at the same parameters, with
+    /// storage rounding emulated and nothing filtered by hardware. What it is made of: `tests/oracle_gpu.rs`.
     pub tolerance: f64,
 }
 

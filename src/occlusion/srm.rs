@@ -59,7 +59,7 @@ impl LightOcclusion for Srm {
             source: include_str!("../../shaders/occlusion/srm.wgsl"),
             params: &[PARAMS],
             monotone: false,
-            tolerance: 1e-4,
+            tolerance: 1e-5,
         }
     }
 

@@ -27,7 +27,7 @@ impl LightOcclusion for Truth {
                 },
             }]],
             monotone: true,
-            tolerance: 1e-4,
+            tolerance: 2e-5,
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::layer::field_point;
 use super::procedural::Clouds;
+use super::texture::Filter;
 use crate::density::imported::occupancy_of;
 use crate::density::occupancy::Occupancy;
 use crate::density::volume::{Grid, load};
@@ -18,6 +19,7 @@ pub(super) struct Field {
     extinction_per_m: f64,
     kind: Kind,
     occupancy: Option<Occupancy>,
+    filter: Filter,
 }
 
 enum Kind {
@@ -27,12 +29,12 @@ enum Kind {
 }
 
 impl Field {
-    pub fn new(scene: &Scene) -> Result<Self> {
+    pub fn new(scene: &Scene, filter: Filter) -> Result<Self> {
         let extinction_per_m = scene.medium.extinction_per_m;
         let (kind, occupancy) = match &scene.density {
             Density::Uniform { value } => (Kind::Uniform(*value), None),
             Density::Procedural(field) => {
-                let clouds = Clouds::new(field, extinction_per_m)?;
+                let clouds = Clouds::new(field, extinction_per_m, filter)?;
                 let occupancy = clouds.occupancy();
                 (Kind::Clouds(Box::new(clouds)), Some(occupancy))
             }
@@ -59,7 +61,13 @@ impl Field {
             extinction_per_m,
             kind,
             occupancy,
+            filter,
         })
+    }
+
+    /// How its textures are filtered.
+    pub fn filter(&self) -> Filter {
+        self.filter
     }
 
     /// Weather thresholds of a procedural field's decks; empty for others.

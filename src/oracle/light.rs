@@ -1,13 +1,13 @@
 //! A method made ready on the oracle: V at any point of the scene.
 
-use super::field::Field;
 use super::layer::{LayerRay, UNLIMITED_M, ground_blocks};
 use super::map::LightMap;
+use super::way::{Way, count};
 use super::{LightColumn, Oracle};
 use crate::error::Result;
 use crate::occlusion::MethodSetup;
 use crate::occlusion::rounding::Rounding;
-use crate::occlusion::twin::{LightRay, March, Twin, fallback};
+use crate::occlusion::twin::{March, Twin, fallback};
 use crate::raymarch::{Counts, Samples};
 use glam::DVec3;
 use std::cell::Cell;
@@ -48,13 +48,8 @@ enum Kind {
 pub(super) struct Tally {
     pub view: Cell<u64>,
     light: Cell<u64>,
-    map: Cell<u64>,
     look_ups: Cell<u64>,
     fallbacks: Cell<u64>,
-}
-
-pub(super) fn count(cell: &Cell<u64>) {
-    cell.set(cell.get() + 1);
 }
 
 impl Tally {
@@ -63,7 +58,8 @@ impl Tally {
             samples: Samples {
                 view: self.view.get(),
                 light: self.light.get(),
-                map: self.map.get(),
+                // Texels are shared: their map counts them.
+                map: 0,
             },
             look_ups: self.look_ups.get(),
             fallbacks: self.fallbacks.get(),
@@ -71,48 +67,13 @@ impl Tally {
     }
 }
 
-/// A way of light through the scene.
-struct Way<'a> {
-    field: &'a Field,
-    skip: bool,
-    ray: LayerRay,
-    samples: &'a Cell<u64>,
-}
-
-impl LightRay for Way<'_> {
-    fn length_m(&self) -> f64 {
-        self.ray.length_m()
-    }
-
-    fn extinction_per_m(&self, s_m: f64) -> f64 {
-        let p = self.ray.point(s_m);
-        if self.skip && self.field.clear_m(p).is_some() {
-            return 0.0;
-        }
-        count(self.samples);
-        self.field.extinction_per_m(p)
-    }
-
-    fn clear_m(&self, s_m: f64) -> Option<f64> {
-        if !self.skip {
-            return None;
-        }
-        let clear_m = self.field.clear_m(self.ray.point(s_m))?;
-        Some(clear_m.min(self.ray.before_gap_m(s_m)))
-    }
-}
-
 impl<'a> Occlusion<'a> {
     pub(super) fn new(oracle: &'a Oracle, setup: &MethodSetup, options: Options) -> Result<Self> {
         let kind = match setup.method.oracle(&setup.params)? {
             Twin::March(march) => Kind::March(march),
-            Twin::Map(encoding) => Kind::Map(Box::new(LightMap::new(
-                &oracle.scene,
-                oracle.image,
-                setup,
-                encoding,
-                options.rounding,
-            )?)),
+            Twin::Map(encoding) => {
+                Kind::Map(Box::new(LightMap::new(oracle, setup, encoding, options)?))
+            }
         };
         Ok(Self {
             oracle,
@@ -132,27 +93,35 @@ impl<'a> Occlusion<'a> {
         depths_m.iter().map(at).collect()
     }
 
+    /// Density samples of the texels marched so far.
+    pub(super) fn map_samples(&self) -> u64 {
+        match &self.kind {
+            Kind::March(_) => 0,
+            Kind::Map(map) => map.samples(),
+        }
+    }
+
     pub(super) fn counted(&self, p: DVec3, rnd: f64, tally: &Tally) -> f64 {
         let Oracle { scene, sun, .. } = self.oracle;
         if ground_blocks(&scene.container, p, *sun) {
             return 0.0;
         }
         let ray = LayerRay::new(&scene.container, p, *sun, (0.0, UNLIMITED_M));
-        let way = |ray, samples| Way {
+        let way = Way {
             field: &self.oracle.field,
             skip: self.skip,
             ray,
-            samples,
+            samples: &tally.light,
         };
         match &self.kind {
-            Kind::March(march) => march.transmittance(&way(ray, &tally.light), rnd),
+            Kind::March(march) => march.transmittance(&way, rnd),
             Kind::Map(map) => {
                 count(&tally.look_ups);
                 let Some(uv) = map.uv(p) else {
                     count(&tally.fallbacks);
-                    return fallback(&way(ray, &tally.light));
+                    return fallback(&way);
                 };
-                map.transmittance(uv, ray.length_m(), &|column| way(column, &tally.map))
+                map.transmittance(uv, ray.length_m())
             }
         }
     }

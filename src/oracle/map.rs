@@ -1,14 +1,18 @@
 //! A light map in f64. Texels are marched when they are first asked for: memory follows what the view needs, not the
 //! map's size.
 
+use super::field::Field;
 use super::layer::{LayerRay, UNLIMITED_M};
+use super::way::Way;
+use super::{Options, Oracle};
 use crate::error::{Error, Result};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::rounding::Rounding;
-use crate::occlusion::twin::{Column, Encoding, LightRay, LookUp};
+use crate::occlusion::twin::{Column, Encoding, LookUp};
 use crate::raymarch::light_map::MapRectangle;
-use crate::scene::{Container, ImageSize, Scene};
+use crate::scene::Container;
 use glam::DVec3;
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -22,6 +26,8 @@ struct Texel {
     values: Box<[f64]>,
     /// Length of its column over L_max.
     length: f64,
+    /// Density samples its march took.
+    samples: u64,
 }
 
 /// How texels answer a look-up between them.
@@ -38,6 +44,8 @@ enum Rule {
 pub(super) struct LightMap {
     rectangle: MapRectangle,
     container: Container,
+    field: Arc<Field>,
+    skip: bool,
     sun: DVec3,
     resolution: u32,
     steps: u32,
@@ -48,17 +56,14 @@ pub(super) struct LightMap {
     shards: Vec<Mutex<HashMap<u64, Arc<Texel>>>>,
 }
 
-/// Extinction along a way through a scene, counted.
-pub(super) type Ways<'a, R> = &'a dyn Fn(LayerRay) -> R;
-
 impl LightMap {
     pub fn new(
-        scene: &Scene,
-        image: ImageSize,
+        oracle: &Oracle,
         setup: &MethodSetup,
         encoding: Box<dyn Encoding>,
-        rounding: Rounding,
+        options: Options,
     ) -> Result<Self> {
+        let Oracle { scene, image, .. } = oracle;
         let resolution = setup.params.int("resolution")?;
         let values = setup
             .method
@@ -78,9 +83,11 @@ impl LightMap {
             ));
         }
         Ok(Self {
-            rectangle: MapRectangle::fit(scene, image, resolution),
+            rectangle: MapRectangle::fit(scene, *image, resolution),
             container: scene.container.clone(),
-            sun: scene.sun.direction(),
+            field: oracle.field.clone(),
+            skip: options.skip,
+            sun: oracle.sun,
             resolution,
             steps: setup.params.int("steps")?,
             sampling: setup.params.choice("sampling")?,
@@ -90,7 +97,7 @@ impl LightMap {
                 _ => Rule::Blend,
             },
             encoding,
-            rounding,
+            rounding: options.rounding,
             shards: (0..SHARDS).map(|_| Mutex::default()).collect(),
         })
     }
@@ -105,8 +112,8 @@ impl LightMap {
         uv.iter().all(|v| (0.0..=1.0).contains(v)).then_some(uv)
     }
 
-    /// V at depth `depth_m`; `ways` makes light rays of columns.
-    pub fn transmittance<R: LightRay>(&self, uv: [f64; 2], depth_m: f64, ways: Ways<'_, R>) -> f64 {
+    /// V at depth `depth_m`.
+    pub fn transmittance(&self, uv: [f64; 2], depth_m: f64) -> f64 {
         if self.rectangle.depth_m <= 0.0 {
             return 1.0;
         }
@@ -116,12 +123,10 @@ impl LightMap {
                 .transmittance(values, LookUp { depth, length }, &self.rounding)
         };
         if self.rule == Rule::Nearest {
-            let texel = self.texel(uv.map(|v| self.clamped((v * self.edge()).floor())), ways);
+            let texel = self.texel(uv.map(|v| self.clamped((v * self.edge()).floor())));
             return ask(&texel.values, texel.length);
         }
-        let taps = self
-            .taps(uv)
-            .map(|(at, share)| (self.texel(at, ways), share));
+        let taps = self.taps(uv).map(|(at, share)| (self.texel(at), share));
         if self.rule == Rule::Blend {
             return taps
                 .iter()
@@ -176,20 +181,34 @@ impl LightMap {
         )
     }
 
-    fn texel<R: LightRay>(&self, at: [u32; 2], ways: Ways<'_, R>) -> Arc<Texel> {
+    /// Density samples of all texels so far.
+    pub fn samples(&self) -> u64 {
+        let shard = |shard: &Mutex<HashMap<_, Arc<Texel>>>| -> u64 {
+            let texels = shard.lock().unwrap_or_else(PoisonError::into_inner);
+            texels.values().map(|texel| texel.samples).sum()
+        };
+        self.shards.iter().map(shard).sum()
+    }
+
+    fn texel(&self, at: [u32; 2]) -> Arc<Texel> {
         let key = u64::from(at[1]) * u64::from(self.resolution) + u64::from(at[0]);
         let shard = &self.shards[key as usize % SHARDS];
         let lock = || shard.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(texel) = lock().get(&key) {
             return texel.clone();
         }
-        let texel = Arc::new(self.march(at, ways));
-        lock().insert(key, texel.clone());
-        texel
+        let texel = Arc::new(self.march(at));
+        lock().entry(key).or_insert(texel).clone()
     }
 
-    fn march<R: LightRay>(&self, at: [u32; 2], ways: Ways<'_, R>) -> Texel {
-        let way = ways(self.column(at.map(|i| (f64::from(i) + 0.5) / self.edge())));
+    fn march(&self, at: [u32; 2]) -> Texel {
+        let samples = Cell::new(0);
+        let way = Way {
+            field: &self.field,
+            skip: self.skip,
+            ray: self.column(at.map(|i| (f64::from(i) + 0.5) / self.edge())),
+            samples: &samples,
+        };
         let column = Column::march(&way, self.steps, self.sampling, self.rectangle.depth_m);
         let values = self.encoding.encode(&column, &self.rounding);
         Texel {
@@ -198,6 +217,7 @@ impl LightMap {
                 .map(|v| self.rounding.stored(v))
                 .collect(),
             length: column.length_m / self.rectangle.depth_m,
+            samples: samples.get(),
         }
     }
 }

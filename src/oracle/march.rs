@@ -2,7 +2,8 @@
 
 use super::Oracle;
 use super::layer::{LayerRay, UNLIMITED_M, height_fraction};
-use super::light::{Occlusion, Tally, count};
+use super::light::{Occlusion, Tally};
+use super::way::count;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::raymarch::{Counts, Progress, Samples};
@@ -14,6 +15,9 @@ use std::ops::ControlFlow;
 
 /// Rows between two calls of a watcher, for each thread.
 const ROWS_A_THREAD: usize = 4;
+
+/// Radiance and opacity; sunlight and mean V.
+type Pixel = ([f32; 4], [f32; 4]);
 
 /// Light gathered along one view ray, in units of its sources.
 #[derive(Clone, Copy, Debug, Default)]
@@ -79,8 +83,8 @@ impl Oracle {
     fn background(&self, direction: DVec3) -> DVec3 {
         match &self.sky {
             None => DVec3::ZERO,
-            Some(sky) if direction.y < 0.0 => sky.ground_radiance().into(),
-            Some(sky) => sky.radiance(direction).into(),
+            Some((_, ground)) if direction.y < 0.0 => *ground,
+            Some((sky, _)) => sky.radiance(direction).into(),
         }
     }
 }
@@ -125,10 +129,11 @@ impl Occlusion<'_> {
                 return Err(Error::Stopped);
             }
         }
+        counts.samples.map = self.map_samples();
         Ok((frame, counts))
     }
 
-    fn row(&self, row: u32) -> (Vec<([f32; 4], [f32; 4])>, Counts) {
+    fn row(&self, row: u32) -> (Vec<Pixel>, Counts) {
         let tally = Tally::default();
         let pixels = (0..self.oracle.image.width)
             .map(|column| self.pixel(column, row, &tally))
@@ -136,8 +141,7 @@ impl Occlusion<'_> {
         (pixels, tally.counts())
     }
 
-    /// (radiance and opacity, sunlight and mean V).
-    fn pixel(&self, column: u32, row: u32, tally: &Tally) -> ([f32; 4], [f32; 4]) {
+    fn pixel(&self, column: u32, row: u32, tally: &Tally) -> Pixel {
         let oracle = self.oracle;
         let medium = &oracle.scene.medium;
         let direction = oracle.direction(column, row);
@@ -205,10 +209,9 @@ impl Occlusion<'_> {
 }
 
 fn add(sum: &mut Counts, more: &Counts) {
-    let Samples { view, light, map } = more.samples;
+    let Samples { view, light, .. } = more.samples;
     sum.samples.view += view;
     sum.samples.light += light;
-    sum.samples.map += map;
     sum.look_ups += more.look_ups;
     sum.fallbacks += more.fallbacks;
 }

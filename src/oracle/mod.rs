@@ -23,8 +23,11 @@ mod map;
 mod march;
 mod noise;
 mod procedural;
+mod texture;
+mod way;
 
 pub use light::{Occlusion, Options};
+pub use texture::Filter;
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, MAX_PIXELS};
@@ -34,17 +37,19 @@ use crate::scene::{Ambient, ImageSize, Scene, Sky, SkyModel};
 use field::Field;
 use glam::DVec3;
 use layer::{LayerRay, UNLIMITED_M};
+use std::sync::Arc;
 
 /// A scene made ready, seen at one image size.
 pub struct Oracle {
     scene: Scene,
     image: ImageSize,
-    field: Field,
+    field: Arc<Field>,
     /// Toward the sun.
     sun: DVec3,
     /// Irradiance perpendicular to the beam, × sun_gain, RGB.
     irradiance: DVec3,
-    sky: Option<SkyModel>,
+    /// The sky, and the radiance of the ground below its horizon.
+    sky: Option<(SkyModel, DVec3)>,
     /// At the layer's base and top, RGB radiance.
     ambient: Option<(DVec3, DVec3)>,
 }
@@ -66,8 +71,29 @@ impl LightColumn {
 }
 
 impl Oracle {
-    /// Builds the density field of a valid `scene`: noise and calibration of procedural clouds take about a second.
+    /// Builds the density field of a valid `scene`; noise and calibration of procedural clouds take a few seconds.
     pub fn new(scene: &Scene, image: ImageSize) -> Result<Self> {
+        Self::filtered(scene, image, Filter::Exact)
+    }
+
+    /// The same with noise textures filtered as `filter` says.
+    pub fn filtered(scene: &Scene, image: ImageSize, filter: Filter) -> Result<Self> {
+        Self::over(Arc::new(Field::new(scene, filter)?), scene, image)
+    }
+
+    /// Another scene or image size; the density field is kept where the scenes have the same.
+    pub fn again(&self, scene: &Scene, image: ImageSize) -> Result<Self> {
+        let same = self.scene.density == scene.density
+            && self.scene.container == scene.container
+            && self.scene.medium.extinction_per_m == scene.medium.extinction_per_m;
+        if same {
+            Self::over(self.field.clone(), scene, image)
+        } else {
+            Self::filtered(scene, image, self.field.filter())
+        }
+    }
+
+    fn over(field: Arc<Field>, scene: &Scene, image: ImageSize) -> Result<Self> {
         let pixels = u64::from(image.width) * u64::from(image.height);
         if !(1..=MAX_PIXELS).contains(&pixels) {
             return Err(Error::input(
@@ -98,10 +124,13 @@ impl Oracle {
         Ok(Self {
             scene: scene.clone(),
             image,
-            field: Field::new(scene)?,
+            field,
             sun,
             irradiance: DVec3::from(irradiance) * scene.medium.sun_gain,
-            sky,
+            sky: sky.map(|sky| {
+                let ground = sky.ground_radiance().into();
+                (sky, ground)
+            }),
             ambient,
         })
     }

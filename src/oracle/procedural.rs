@@ -1,6 +1,7 @@
 //! Procedural clouds in f64: density of the decks, and the thresholds that give them their coverage.
 
-use super::noise::{Texture, detail, shape, weather};
+use super::noise::{detail, shape, weather};
+use super::texture::{Filter, Texture};
 use crate::density::bounds::Bounds;
 use crate::density::calibrate::{CALIBRATION_COLUMNS, CALIBRATION_STEPS, search};
 use crate::density::occupancy::Occupancy;
@@ -18,6 +19,14 @@ pub(super) struct Clouds {
     shape: Texture,
     detail: Option<Texture>,
     thresholds: Vec<f64>,
+}
+
+/// What the weather map says of a vertical column of a deck.
+#[derive(Clone, Copy)]
+struct Weather {
+    coverage: f64,
+    cloud_type: f64,
+    rain_factor: f64,
 }
 
 /// Trapezoid of density against height: ramps up over the first two, down over the last two (Häggström 2018), for
@@ -49,12 +58,12 @@ fn height_gradient(h: f64, cloud_type: f64) -> f64 {
 
 impl Clouds {
     /// Makes the textures and calibrates every deck for `extinction_per_m`.
-    pub fn new(field: &Procedural, extinction_per_m: f64) -> Result<Self> {
+    pub fn new(field: &Procedural, extinction_per_m: f64, filter: Filter) -> Result<Self> {
         let mut clouds = Self {
             field: field.clone(),
-            weather: weather(field.seed),
-            shape: shape(field.seed),
-            detail: field.detail.as_ref().map(|_| detail(field.seed)),
+            weather: weather(field.seed, filter),
+            shape: shape(field.seed, filter),
+            detail: field.detail.as_ref().map(|_| detail(field.seed, filter)),
             thresholds: Vec::new(),
         };
         for (i, deck) in field.decks.iter().enumerate() {
@@ -90,25 +99,36 @@ impl Clouds {
     }
 
     fn deck_density(&self, q: DVec3, index: usize, deck: &Deck, threshold: f64) -> f64 {
-        let h = (q.y - deck.base_m) / (deck.top_m - deck.base_m);
-        if h <= 0.0 || h >= 1.0 {
+        if q.y <= deck.base_m || q.y >= deck.top_m {
             return 0.0;
         }
+        self.density_under(q, deck, self.weather_at(q, index, deck, threshold))
+    }
+
+    fn weather_at(&self, q: DVec3, index: usize, deck: &Deck, threshold: f64) -> Weather {
         let period = |x_m: f64| x_m / self.field.weather_tile_m + weather_offset(index);
         let [coverage, rain, kind, _] = self.weather.sample_2d(period(q.x), period(q.z));
-        let c = (coverage + 2.0 * threshold - 1.0).clamp(0.0, 1.0);
         let [low, high] = deck.cloud_type;
-        let gradient = height_gradient(h, low + (high - low) * kind);
+        Weather {
+            coverage: (coverage + 2.0 * threshold - 1.0).clamp(0.0, 1.0),
+            cloud_type: low + (high - low) * kind,
+            rain_factor: 1.0 + self.field.precipitation_gain.unwrap_or(0.0) * rain,
+        }
+    }
+
+    /// Density between a deck's base and top.
+    fn density_under(&self, q: DVec3, deck: &Deck, weather: Weather) -> f64 {
+        let h = (q.y - deck.base_m) / (deck.top_m - deck.base_m);
+        let gradient = height_gradient(h, weather.cloud_type);
         // Shape is at most 1.
-        if gradient <= 1.0 - c {
+        if gradient <= 1.0 - weather.coverage {
             return 0.0;
         }
-        let base = self.base(q, gradient, c);
+        let base = self.base(q, gradient, weather.coverage);
         if base <= 0.0 {
             return 0.0;
         }
-        let rain_factor = 1.0 + self.field.precipitation_gain.unwrap_or(0.0) * rain;
-        self.eroded(q, h, base) * rain_factor
+        self.eroded(q, h, base) * weather.rain_factor
     }
 
     /// saturate(remap(shape·gradient, 1 − c, 1, 0, 1))·c, shape = remap(R, fbm − 1, 1, 0, 1).
@@ -137,11 +157,13 @@ impl Clouds {
         let step_m = (deck.top_m - deck.base_m) / f64::from(CALIBRATION_STEPS);
         let at = |i: u32| (f64::from(i) + 0.5) / f64::from(n) * self.field.weather_tile_m;
         let opaque = |x: u32, z: u32| {
+            let ground = DVec3::new(at(x), 0.0, at(z));
+            let weather = self.weather_at(ground, index, deck, threshold);
             let mut tau = 0.0;
             (0..CALIBRATION_STEPS).any(|k| {
                 let y_m = deck.base_m + (f64::from(k) + 0.5) * step_m;
-                let q = DVec3::new(at(x), y_m, at(z));
-                tau += self.deck_density(q, index, deck, threshold) * extinction_per_m * step_m;
+                let density = self.density_under(ground.with_y(y_m), deck, weather);
+                tau += density * extinction_per_m * step_m;
                 tau > LN_2
             })
         };
