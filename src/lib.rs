@@ -5,6 +5,8 @@
 //! (JSON)   (metres)  (field)   (strategy)   (linear HDR)         (numbers)  (records) (charts, page)
 //! ```
 //!
+//! [`oracle`] renders the same scenes and methods in f64 on the CPU: the independent check.
+//!
 //! Dependencies point right to left only. World axes: y up, right-handed, origin on the ground under the scene's
 //! centre. Units: metres, m⁻¹, degrees in files and radians in code, linear radiance with sRGB primaries.
 
@@ -16,6 +18,7 @@ pub mod frame;
 pub mod gpu;
 pub mod metrics;
 pub mod occlusion;
+pub mod oracle;
 pub mod raymarch;
 pub mod report;
 pub mod scene;

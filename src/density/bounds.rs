@@ -1,7 +1,7 @@
 //! Upper bounds of the procedural density over the cells of its occupancy grid: conservative first, tight second.
 
 use super::occupancy::Occupancy;
-use super::procedural::{Noise, SHAPE_TEXELS, WEATHER_TEXELS, weather_offset};
+use super::procedural::{SHAPE_TEXELS, WEATHER_TEXELS, weather_offset};
 use crate::scene::Procedural;
 
 /// Cells of the occupancy grid along one shape tile: two texels a cell.
@@ -10,7 +10,7 @@ const CELLS_PER_TILE: u32 = SHAPE_TEXELS / 2;
 const FILTER_SLACK: f32 = 2.0 / 255.0;
 
 /// Upper bounds of the density over cells of the periodic field.
-pub(super) struct Bounds<'a> {
+pub(crate) struct Bounds<'a> {
     field: &'a Procedural,
     thresholds: &'a [f64],
     /// Largest `shape` (before the height gradient) of each cell of one shape tile, x fastest.
@@ -20,13 +20,19 @@ pub(super) struct Bounds<'a> {
 }
 
 impl<'a> Bounds<'a> {
-    pub fn new(noise: &'a Noise, field: &'a Procedural, thresholds: &'a [f64]) -> Self {
+    /// `shape` and `weather`: texels of the two textures, RGBA.
+    pub fn new(
+        shape: &[u8],
+        weather: &'a [u8],
+        field: &'a Procedural,
+        thresholds: &'a [f64],
+    ) -> Self {
         let cell_m = field.shape_tile_m / f64::from(CELLS_PER_TILE);
         Self {
             field,
             thresholds,
-            billow: billow_bounds(&noise.shape),
-            weather: &noise.weather,
+            billow: billow_bounds(shape),
+            weather,
             cell_m,
         }
     }

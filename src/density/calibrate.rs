@@ -6,10 +6,46 @@ use crate::gpu::{Gpu, Inputs, Kernel, Program, Resource, UniformValue, read_buff
 use crate::scene::{Deck, Procedural};
 
 /// Columns along one axis, and samples a column, that calibrate coverage.
-const CALIBRATION_COLUMNS: u32 = 160;
-const CALIBRATION_STEPS: u32 = 96;
+pub(crate) const CALIBRATION_COLUMNS: u32 = 160;
+pub(crate) const CALIBRATION_STEPS: u32 = 96;
 /// Optical depth at which a column's opacity is 0.5.
 const HALF_OPAQUE_TAU: f32 = std::f32::consts::LN_2;
+
+/// (threshold, measured share) by bisection: the share that `measure` finds grows with the threshold.
+pub(crate) fn search(
+    index: usize,
+    deck: &Deck,
+    measure: impl Fn(f64) -> Result<f64>,
+) -> Result<(f64, f64)> {
+    if deck.coverage <= 0.0 {
+        return Ok((0.0, measure(0.0)?));
+    }
+    let most = measure(1.0)?;
+    if deck.coverage >= 1.0 || most <= deck.coverage {
+        if (most - deck.coverage).abs() <= 0.03 {
+            return Ok((1.0, most));
+        }
+        return Err(Error::input(
+            format!("scene, at /density/procedural/decks/{index}/coverage"),
+            format!(
+                "coverage {} cannot be reached: at most {most:.2} of the columns of this deck become half opaque",
+                deck.coverage
+            ),
+            "Make the deck thicker, its type higher, or the extinction larger.",
+        ));
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..12 {
+        let middle = 0.5 * (low + high);
+        if measure(middle)? < deck.coverage {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    let threshold = 0.5 * (low + high);
+    Ok((threshold, measure(threshold)?))
+}
 
 /// Finds the weather threshold at which a deck covers the wanted share of columns.
 pub(super) struct Calibrator {
@@ -35,7 +71,7 @@ impl Calibrator {
         })
     }
 
-    /// (threshold, measured share), by bisection: coverage grows with the threshold.
+    /// (threshold, measured share) of a deck.
     pub fn threshold(
         &self,
         gpu: &Gpu,
@@ -56,34 +92,7 @@ impl Calibrator {
                 density_inputs,
             )
         };
-        if deck.coverage <= 0.0 {
-            return Ok((0.0, measure(0.0)?));
-        }
-        let most = measure(1.0)?;
-        if deck.coverage >= 1.0 || most <= deck.coverage {
-            if (most - deck.coverage).abs() <= 0.03 {
-                return Ok((1.0, most));
-            }
-            return Err(Error::input(
-                format!("scene, at /density/procedural/decks/{index}/coverage"),
-                format!(
-                    "coverage {} cannot be reached: at most {most:.2} of the columns of this deck become half opaque",
-                    deck.coverage
-                ),
-                "Make the deck thicker, its type higher, or the extinction larger.",
-            ));
-        }
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..12 {
-            let middle = 0.5 * (low + high);
-            if measure(middle)? < deck.coverage {
-                low = middle
-            } else {
-                high = middle
-            }
-        }
-        let threshold = 0.5 * (low + high);
-        Ok((threshold, measure(threshold)?))
+        search(index, deck, measure)
     }
 
     #[expect(

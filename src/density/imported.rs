@@ -60,7 +60,7 @@ pub(super) fn build(gpu: &Gpu, scene: &Scene, volume: &Volume) -> Result<Density
 }
 
 /// A cell is occupied when any voxel that its samples may touch is: trilinear support plus a guard for rounding.
-fn occupancy_of(grid: &Grid, min_m: [f64; 3], max_m: [f64; 3]) -> Occupancy {
+pub(crate) fn occupancy_of(grid: &Grid, min_m: [f64; 3], max_m: [f64; 3]) -> Occupancy {
     let n = grid.size.map(|v| v as usize);
     let voxel_m: [f64; 3] = std::array::from_fn(|i| (max_m[i] - min_m[i]) / n[i] as f64);
     let longest_m = (0..3).map(|i| max_m[i] - min_m[i]).fold(0.0, f64::max);

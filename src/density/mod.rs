@@ -1,11 +1,13 @@
 //! The density field on the device: textures, occupancy, and the shader file that evaluates it.
 
-mod bounds;
-mod calibrate;
-mod imported;
+pub(crate) mod bounds;
+pub(crate) mod calibrate;
+pub(crate) mod imported;
 pub mod occupancy;
 mod procedural;
 pub mod volume;
+
+pub(crate) use procedural::{DETAIL_TEXELS, SHAPE_TEXELS, WEATHER_TEXELS, weather_offset};
 
 use crate::error::Result;
 use crate::gpu::{Defs, Gpu, Inputs, UniformValue};

@@ -35,7 +35,7 @@ pub(super) fn build(
         measured_coverage.push(measured);
     }
     inputs.uniform("field", field_values(field, &field.decks, &thresholds, 0));
-    let occupancy = Bounds::new(&noise, field, &thresholds).occupancy();
+    let occupancy = Bounds::new(&noise.shape, &noise.weather, field, &thresholds).occupancy();
     occupancy.upload(gpu, &mut inputs);
     gpu.check()?;
     Ok(DensityField {
@@ -107,15 +107,15 @@ pub(super) fn field_values(
 }
 
 /// The second deck reads the weather map elsewhere, so that it does not repeat the first.
-pub(super) fn weather_offset(deck: usize) -> f64 {
+pub(crate) fn weather_offset(deck: usize) -> f64 {
     0.37 * deck as f64
 }
 
 /// The noise textures and their read-back copies.
-pub(super) struct Noise {
+struct Noise {
     views: Vec<(&'static str, wgpu::TextureView)>,
-    pub shape: Vec<u8>,
-    pub weather: Vec<u8>,
+    shape: Vec<u8>,
+    weather: Vec<u8>,
 }
 
 impl Noise {

@@ -1,6 +1,8 @@
 //! The floor: an uncompressed column, which shows what the march alone costs.
 
 use super::param::Params;
+use super::rounding::Rounding;
+use super::twin::{Column, Encoding, LookUp, Twin};
 use super::{LightOcclusion, MAP_PARAMS, MethodInfo, Plan};
 use crate::error::Result;
 
@@ -17,7 +19,12 @@ impl LightOcclusion for Floor {
             source: include_str!("../../shaders/occlusion/floor.wgsl"),
             params: &[MAP_PARAMS],
             monotone: true,
+            tolerance: 2e-5,
         }
+    }
+
+    fn oracle(&self, _params: &Params) -> Result<Twin> {
+        Ok(Twin::Map(Box::new(Cumulative)))
     }
 
     fn plan(&self, params: &Params) -> Result<Plan> {
@@ -25,5 +32,32 @@ impl LightOcclusion for Floor {
             map_values: Some(params.int("steps")?),
             ..Plan::default()
         })
+    }
+}
+
+/// Optical depth at the far edge of every step, linear in between.
+struct Cumulative;
+
+impl Encoding for Cumulative {
+    fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64> {
+        let edges = column.thicknesses().scan(0.0, |tau, thickness| {
+            *tau = rounding.computed(*tau + thickness);
+            Some(*tau)
+        });
+        edges.collect()
+    }
+
+    fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64 {
+        let last = values.len() as f64;
+        // A column without length has no depth beyond its first edge but 0/0.
+        let steps = if look_up.length > 0.0 {
+            (look_up.depth / look_up.length * last).clamp(0.0, last)
+        } else {
+            last
+        };
+        let k = (steps as usize).min(values.len() - 1);
+        let near = if k == 0 { 0.0 } else { values[k - 1] };
+        let tau = near + (values[k] - near) * (steps - k as f64);
+        rounding.computed((-rounding.computed(tau)).exp())
     }
 }

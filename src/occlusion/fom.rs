@@ -1,9 +1,12 @@
 //! Fourier opacity map: extinction along a column as a truncated Fourier series.
 
 use super::param::{ParamKind, ParamSpec, Params};
+use super::rounding::Rounding;
+use super::twin::{Column, Encoding, LookUp, Twin, at_least_zero};
 use super::{FORM, LightOcclusion, MAP_PARAMS, MethodInfo, Plan};
 use crate::error::Result;
 use crate::gpu::Defs;
+use std::f64::consts::{PI, TAU};
 
 /// See the module.
 pub struct Fom;
@@ -50,7 +53,17 @@ impl LightOcclusion for Fom {
             source: include_str!("../../shaders/occlusion/fom.wgsl"),
             params: &[MAP_PARAMS, PARAMS],
             monotone: false,
+            tolerance: 2e-5,
         }
+    }
+
+    fn oracle(&self, params: &Params) -> Result<Twin> {
+        Ok(Twin::Map(Box::new(Fourier {
+            order: params.int("order")?,
+            window: params.choice("window")?,
+            bounded: params.choice("bounds")? == "texel",
+            published: params.choice("form")? == "published",
+        })))
     }
 
     fn plan(&self, params: &Params) -> Result<Plan> {
@@ -72,5 +85,108 @@ impl LightOcclusion for Fom {
             map_values: Some(values),
             defs,
         })
+    }
+}
+
+/// Coefficients of the stable form stay below this: f16 ends at 65504.
+const LARGEST_COEFFICIENT: f64 = 6e4;
+
+/// τ(x) = a₀x/2 + Σ w_k [a_k sin 2πkx + b_k (1 − cos 2πkx)]/(2πk).
+struct Fourier {
+    order: u32,
+    window: &'static str,
+    bounded: bool,
+    published: bool,
+}
+
+impl Fourier {
+    /// Near and far edge of what a column's series covers, over L_max.
+    fn interval(&self, column: &Column) -> (f64, f64) {
+        if !self.bounded {
+            return (0.0, 1.0);
+        }
+        let occupied = |s: &f64| *s > 0.0;
+        let first = column.extinction_per_m.iter().position(occupied);
+        let last = column.extinction_per_m.iter().rposition(occupied);
+        match first.zip(last) {
+            Some((first, last)) => (column.depth_at(first, 0.0), column.depth_at(last, 1.0)),
+            None => (0.0, 0.0),
+        }
+    }
+
+    fn window(&self, k: u32) -> f64 {
+        let x = f64::from(k) / f64::from(self.order + 1);
+        match self.window {
+            "lanczos" => (PI * x).sin() / (PI * x),
+            "fejer" => 1.0 - x,
+            _ => 1.0,
+        }
+    }
+
+    /// −ln(1 − α) of one step; in the published form α has been rounded.
+    fn thickness(&self, thickness: f64, rounding: &Rounding) -> f64 {
+        if !self.published {
+            return thickness;
+        }
+        let alpha = rounding.computed(1.0 - rounding.computed((-thickness).exp()));
+        -rounding.computed(rounding.computed(1.0 - alpha).ln())
+    }
+}
+
+/// Depth as the series' variable.
+fn position(depth: f64, (near, far): (f64, f64)) -> f64 {
+    let offset = depth - near;
+    if offset <= 0.0 {
+        0.0
+    } else if offset >= far - near {
+        1.0
+    } else {
+        offset / (far - near)
+    }
+}
+
+impl Encoding for Fourier {
+    fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64> {
+        let interval = self.interval(column);
+        let mut values = vec![0.0; 2 * self.order as usize + 1];
+        for (step, thickness) in column.thicknesses().enumerate() {
+            if thickness <= 0.0 {
+                continue;
+            }
+            let amount = 2.0 * self.thickness(thickness, rounding);
+            let x = position(column.depth_at(step, column.fraction), interval);
+            values[0] = rounding.computed(values[0] + amount);
+            for k in 1..=self.order as usize {
+                let (sin, cos) = (TAU * k as f64 * x).sin_cos();
+                for (value, wave) in values[2 * k - 1..].iter_mut().zip([cos, sin]) {
+                    *value = rounding.computed(*value + amount * rounding.computed(wave));
+                }
+            }
+        }
+        if !self.published && values[0] > LARGEST_COEFFICIENT {
+            let scale = LARGEST_COEFFICIENT / values[0];
+            values.iter_mut().for_each(|v| *v *= scale);
+        }
+        if self.bounded {
+            values.extend([interval.0, interval.1]);
+        }
+        values
+    }
+
+    fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64 {
+        let coefficients = 2 * self.order as usize + 1;
+        let interval = match values[coefficients..] {
+            [near, far] => (near, far),
+            _ => (0.0, 1.0),
+        };
+        let x = position(look_up.depth, interval);
+        let mut tau = 0.5 * values[0] * x;
+        for k in 1..=self.order {
+            let angle = TAU * f64::from(k) * x;
+            let (a, b) = (values[2 * k as usize - 1], values[2 * k as usize]);
+            let wave = a * angle.sin() + b * (1.0 - angle.cos());
+            tau = rounding.computed(tau + self.window(k) * wave / (TAU * f64::from(k)));
+        }
+        rounding.computed((-at_least_zero(tau)).exp())
     }
 }

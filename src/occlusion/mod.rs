@@ -9,9 +9,12 @@
 //!   fallback are shared.
 //!
 //! Numeric parameters are members of the file's `Params` uniform (or of the shared `Map`), choices are shader
-//! definitions `NAME_OPTION`. A new method is one Rust file, one WGSL file and one line of [`REGISTRY`].
+//! definitions `NAME_OPTION`. The Rust file also holds the method's f64 [`Twin`], written from the equations: what the
+//! oracle runs. A new method is one Rust file, one WGSL file and one line of [`REGISTRY`].
 
 pub mod param;
+pub mod rounding;
+pub mod twin;
 
 mod bsm;
 mod esm;
@@ -24,6 +27,7 @@ mod truth;
 use crate::error::{Error, Result};
 use crate::gpu::Defs;
 use param::{ParamKind, ParamSpec, ParamValue, Params};
+use twin::Twin;
 
 /// Every strategy, in the order of menus and charts.
 pub const REGISTRY: &[&dyn LightOcclusion] = &[
@@ -53,6 +57,9 @@ pub struct MethodInfo {
     pub params: &'static [&'static [ParamSpec]],
     /// V never increases with depth along a light column (with look-up `nearest` and form `stable`).
     pub monotone: bool,
+    /// Largest relative RMSE between a picture's sunlight on a device and by the oracle, at the same parameters, with
+    /// storage rounding emulated and nothing filtered by hardware. What it is made of: `tests/oracle_gpu.rs`.
+    pub tolerance: f64,
 }
 
 /// What a method needs at given parameters.
@@ -73,6 +80,9 @@ pub trait LightOcclusion: Sync {
     fn plan(&self, _params: &Params) -> Result<Plan> {
         Ok(Plan::default())
     }
+
+    /// Its f64 twin at `params`.
+    fn oracle(&self, params: &Params) -> Result<Twin>;
 
     /// Most loop turns that one `light_transmittance` takes, when no ray is longer than `longest_path_m`. The default
     /// covers look-ups with their fallback march.

@@ -1,6 +1,9 @@
 //! No occlusion: V = 1.
 
+use super::param::Params;
+use super::twin::{LightRay, March, Twin};
 use super::{LightOcclusion, MethodInfo};
+use crate::error::Result;
 
 /// See the module.
 pub struct None;
@@ -15,6 +18,20 @@ impl LightOcclusion for None {
             source: include_str!("../../shaders/occlusion/none.wgsl"),
             params: &[],
             monotone: true,
+            tolerance: 1e-5,
         }
+    }
+
+    fn oracle(&self, _params: &Params) -> Result<Twin> {
+        Ok(Twin::March(Box::new(Unoccluded)))
+    }
+}
+
+/// V = 1.
+struct Unoccluded;
+
+impl March for Unoccluded {
+    fn transmittance(&self, _ray: &dyn LightRay, _rnd: f64) -> f64 {
+        1.0
     }
 }

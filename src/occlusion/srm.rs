@@ -1,6 +1,7 @@
 //! Secondary march: a few samples from every view sample toward the sun.
 
 use super::param::{ParamKind, ParamSpec, Params};
+use super::twin::{LightRay, March, Twin, march};
 use super::{LightOcclusion, MethodInfo};
 use crate::error::Result;
 
@@ -58,10 +59,51 @@ impl LightOcclusion for Srm {
             source: include_str!("../../shaders/occlusion/srm.wgsl"),
             params: &[PARAMS],
             monotone: false,
+            tolerance: 1e-5,
         }
+    }
+
+    fn oracle(&self, params: &Params) -> Result<Twin> {
+        Ok(Twin::March(Box::new(SecondaryMarch {
+            steps: params.int("steps")?,
+            spacing: params.choice("spacing")?,
+            reach_m: params.number("reach_m")?,
+            sampling: params.choice("sampling")?,
+        })))
     }
 
     fn light_turns(&self, params: &Params, _longest_path_m: f64) -> Result<f64> {
         params.number("steps")
+    }
+}
+
+/// V = exp(−Σ σ(p + ω sₖ) Δₖ).
+struct SecondaryMarch {
+    steps: u32,
+    spacing: &'static str,
+    reach_m: f64,
+    sampling: &'static str,
+}
+
+impl March for SecondaryMarch {
+    fn transmittance(&self, ray: &dyn LightRay, rnd: f64) -> f64 {
+        let n = f64::from(self.steps);
+        let exit_m = ray.length_m();
+        let length_m = match self.spacing {
+            "uniform_reach" => exit_m.min(self.reach_m),
+            _ => exit_m,
+        };
+        let boundary = |k: f64| match self.spacing {
+            "quadratic" => (k / n).powi(2),
+            // (2ᵏ − 1)/(2ⁿ − 1), over 2ⁿ in both parts: finite at any n.
+            "exponential" => ((k - n).exp2() - (-n).exp2()) / (1.0 - (-n).exp2()),
+            _ => k / n,
+        };
+        let fraction = match self.sampling {
+            "end" => 1.0,
+            "jittered" => rnd,
+            _ => 0.5,
+        };
+        march(ray, length_m, self.steps, boundary, fraction)
     }
 }

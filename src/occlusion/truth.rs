@@ -1,6 +1,7 @@
 //! The ground truth: a secondary march of constant small steps.
 
 use super::param::{ParamKind, ParamSpec, Params};
+use super::twin::{LightRay, March, OPAQUE_TAU, Twin};
 use super::{LightOcclusion, MethodInfo};
 use crate::error::Result;
 
@@ -26,10 +27,42 @@ impl LightOcclusion for Truth {
                 },
             }]],
             monotone: true,
+            tolerance: 2e-5,
         }
+    }
+
+    fn oracle(&self, params: &Params) -> Result<Twin> {
+        Ok(Twin::March(Box::new(ConstantSteps {
+            step_m: params.number("step_m")?,
+        })))
     }
 
     fn light_turns(&self, params: &Params, longest_path_m: f64) -> Result<f64> {
         Ok((longest_path_m / params.number("step_m")?).ceil() + 1.0)
+    }
+}
+
+/// V = exp(−Σ σ Δ) in steps of one length, the last one shortened to end with the layer.
+struct ConstantSteps {
+    step_m: f64,
+}
+
+impl March for ConstantSteps {
+    fn transmittance(&self, ray: &dyn LightRay, _rnd: f64) -> f64 {
+        let length_m = ray.length_m();
+        let steps = (length_m / self.step_m).ceil() as u64;
+        let (mut tau, mut k) = (0.0, 0);
+        while k < steps && tau < OPAQUE_TAU {
+            let near_m = k as f64 * self.step_m;
+            let width_m = self.step_m.min(length_m - near_m);
+            let middle_m = near_m + 0.5 * width_m;
+            if let Some(clear_m) = ray.clear_m(middle_m) {
+                k += 1 + (clear_m / self.step_m) as u64;
+                continue;
+            }
+            tau += ray.extinction_per_m(middle_m) * width_m;
+            k += 1;
+        }
+        (-tau).exp()
     }
 }

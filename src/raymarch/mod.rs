@@ -2,7 +2,7 @@
 
 mod cost;
 mod inputs;
-mod light_map;
+pub(crate) mod light_map;
 mod map_pass;
 mod prepared;
 pub mod reference;

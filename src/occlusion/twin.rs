@@ -1,0 +1,183 @@
+//! The f64 twin of a method: the same equations as its shader, written from the definitions, for the oracle.
+//!
+//! A twin sees light rays and columns, no scene: it can be asked about any extinction a caller makes up. NaN passes
+//! through every twin, so that a form that fails is seen to fail.
+
+use super::param::Params;
+use super::rounding::Rounding;
+use crate::error::Result;
+
+/// Optical depth behind which nothing can change an f64 sum of order 1: 53 ln 2.
+pub const OPAQUE_TAU: f64 = 36.736_800_569_677_1;
+/// Thesis M: cloud begins where T falls below this.
+const FRONT_TRANSMITTANCE: f64 = 0.99;
+/// Steps of the march that answers outside a map.
+const FALLBACK_STEPS: u32 = 6;
+
+/// Extinction along a straight way inside the layer, gaps excluded.
+pub trait LightRay {
+    /// Length of the way, metres, ≥ 0.
+    fn length_m(&self) -> f64;
+
+    /// Extinction at distance `s_m` along it, m⁻¹, ≥ 0.
+    fn extinction_per_m(&self, s_m: f64) -> f64;
+
+    /// How far from `s_m` on extinction is provably 0, metres; `None` = nothing is known.
+    fn clear_m(&self, _s_m: f64) -> Option<f64> {
+        None
+    }
+}
+
+/// A twin.
+pub enum Twin {
+    /// Of a method that marches from every sample.
+    March(Box<dyn March>),
+    /// Of a method that reads a map.
+    Map(Box<dyn Encoding>),
+}
+
+/// Light transmittance by marching.
+pub trait March: Send + Sync {
+    /// V at the start of `ray`, which leads to the sun; `rnd` in `[0, 1)` is the sample's noise.
+    fn transmittance(&self, ray: &dyn LightRay, rnd: f64) -> f64;
+}
+
+/// What a map's texel keeps of its column, and what it says of a depth.
+pub trait Encoding: Send + Sync {
+    /// Values of a texel, before storage rounds them.
+    fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64>;
+
+    /// V at a depth, from the values as stored.
+    fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64;
+}
+
+/// Where a texel is asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LookUp {
+    /// d/L_max, 0…1.
+    pub depth: f64,
+    /// Length of the texel's own column over L_max, 0…1.
+    pub length: f64,
+}
+
+/// A map column, marched from the sun side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Length inside the layer, metres.
+    pub length_m: f64,
+    /// L_max, the longest column of the map, metres.
+    pub depth_m: f64,
+    /// Length of a step, metres.
+    pub step_m: f64,
+    /// Where in its step a sample lies: 0.5 midpoint, 1 far end.
+    pub fraction: f64,
+    /// Extinction of each step, m⁻¹.
+    pub extinction_per_m: Vec<f64>,
+}
+
+/// Where a column's cloud begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Front {
+    /// Where T first falls below 0.99, extinction constant over a step (thesis M).
+    Threshold,
+    /// Near edge of the first step with extinction.
+    First,
+}
+
+impl Front {
+    /// The method's parameter `front`.
+    pub fn new(params: &Params) -> Result<Self> {
+        Ok(match params.choice("front")? {
+            "first" => Self::First,
+            _ => Self::Threshold,
+        })
+    }
+}
+
+impl Column {
+    /// Marches `ray` in `steps` equal steps; `sampling` is `midpoint` or `end`.
+    pub fn march(ray: &dyn LightRay, steps: u32, sampling: &str, depth_m: f64) -> Self {
+        let length_m = ray.length_m();
+        let step_m = length_m / f64::from(steps);
+        let fraction = if sampling == "end" { 1.0 } else { 0.5 };
+        let sample = |k: u32| ray.extinction_per_m((f64::from(k) + fraction) * step_m);
+        Self {
+            length_m,
+            depth_m,
+            step_m,
+            fraction,
+            extinction_per_m: (0..steps).map(sample).collect(),
+        }
+    }
+
+    /// Depth of a point of step `k` at `fraction` of the step, over L_max.
+    pub fn depth_at(&self, k: usize, fraction: f64) -> f64 {
+        (k as f64 + fraction) * self.step_m / self.depth_m
+    }
+
+    /// Optical thickness of each step.
+    pub fn thicknesses(&self) -> impl Iterator<Item = f64> + '_ {
+        self.extinction_per_m.iter().map(|s| s * self.step_m)
+    }
+
+    /// The front over L_max; `None` where the column has none.
+    pub fn front(&self, rule: Front) -> Option<f64> {
+        let wanted = -FRONT_TRANSMITTANCE.ln();
+        let mut tau = 0.0;
+        for (k, thickness) in self.thicknesses().enumerate() {
+            let within = match rule {
+                Front::First => (thickness > 0.0).then_some(0.0),
+                Front::Threshold => {
+                    (tau + thickness > wanted).then(|| ((wanted - tau) / thickness).max(0.0))
+                }
+            };
+            if let Some(fraction) = within {
+                return Some(self.depth_at(k, fraction));
+            }
+            tau += thickness;
+        }
+        None
+    }
+}
+
+/// exp(−Σ σ(sₖ)Δₖ) over intervals `[boundary(k), boundary(k + 1)]·length_m`, k < `steps`, sampled at `fraction` of each.
+pub fn march(
+    ray: &dyn LightRay,
+    length_m: f64,
+    steps: u32,
+    boundary: impl Fn(f64) -> f64,
+    fraction: f64,
+) -> f64 {
+    let mut tau = 0.0;
+    for k in 0..steps {
+        let near_m = boundary(f64::from(k)) * length_m;
+        let far_m = boundary(f64::from(k) + 1.0) * length_m;
+        tau += ray.extinction_per_m(near_m + fraction * (far_m - near_m)) * (far_m - near_m);
+        if tau > OPAQUE_TAU {
+            break;
+        }
+    }
+    (-tau).exp()
+}
+
+/// What answers outside a map's rectangle: six quadratic steps.
+pub fn fallback(ray: &dyn LightRay) -> f64 {
+    let n = f64::from(FALLBACK_STEPS);
+    march(
+        ray,
+        ray.length_m(),
+        FALLBACK_STEPS,
+        |k| (k / n).powi(2),
+        0.5,
+    )
+}
+
+/// `value`, or 0 below it; NaN stays, unlike with `f64::max`.
+pub fn at_least_zero(value: f64) -> f64 {
+    if value < 0.0 { 0.0 } else { value }
+}
+
+/// The smaller of two; NaN in either stays, unlike with `f64::min`.
+pub fn smaller(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a < b { a } else { b }
+}

@@ -1,0 +1,128 @@
+//! A method made ready on the oracle: V at any point of the scene.
+
+use super::layer::{LayerRay, UNLIMITED_M, ground_blocks};
+use super::map::LightMap;
+use super::way::{Way, count};
+use super::{LightColumn, Oracle};
+use crate::error::Result;
+use crate::occlusion::MethodSetup;
+use crate::occlusion::rounding::Rounding;
+use crate::occlusion::twin::{March, Twin, fallback};
+use crate::raymarch::{Counts, Samples};
+use glam::DVec3;
+use std::cell::Cell;
+
+/// What the oracle is asked to emulate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Number formats of the method's values; the view march is always f64.
+    pub rounding: Rounding,
+    /// Skip provably empty space (changes no digit).
+    pub skip: bool,
+}
+
+impl Default for Options {
+    /// Exact, with skipping.
+    fn default() -> Self {
+        Self {
+            rounding: Rounding::EXACT,
+            skip: true,
+        }
+    }
+}
+
+/// A method in a scene. Shared between threads; texels of its map are kept.
+pub struct Occlusion<'a> {
+    pub(super) oracle: &'a Oracle,
+    pub(super) skip: bool,
+    kind: Kind,
+}
+
+enum Kind {
+    March(Box<dyn March>),
+    Map(Box<LightMap>),
+}
+
+/// What one thread counts.
+#[derive(Default)]
+pub(super) struct Tally {
+    pub view: Cell<u64>,
+    light: Cell<u64>,
+    look_ups: Cell<u64>,
+    fallbacks: Cell<u64>,
+}
+
+impl Tally {
+    pub fn counts(&self) -> Counts {
+        Counts {
+            samples: Samples {
+                view: self.view.get(),
+                light: self.light.get(),
+                // Texels are shared: their map counts them.
+                map: 0,
+            },
+            look_ups: self.look_ups.get(),
+            fallbacks: self.fallbacks.get(),
+        }
+    }
+}
+
+impl<'a> Occlusion<'a> {
+    pub(super) fn new(oracle: &'a Oracle, setup: &MethodSetup, options: Options) -> Result<Self> {
+        let kind = match setup.method.oracle(&setup.params)? {
+            Twin::March(march) => Kind::March(march),
+            Twin::Map(encoding) => {
+                Kind::Map(Box::new(LightMap::new(oracle, setup, encoding, options)?))
+            }
+        };
+        Ok(Self {
+            oracle,
+            skip: options.skip,
+            kind,
+        })
+    }
+
+    /// V(p), 0 in the ground's shadow; `rnd` in `[0, 1)` is the sample's noise.
+    pub fn visibility(&self, p: DVec3, rnd: f64) -> f64 {
+        self.counted(p, rnd, &Tally::default())
+    }
+
+    /// V at `depths_m` along a light column, metres inside the layer from its sun side.
+    pub fn along(&self, column: &LightColumn, depths_m: &[f64]) -> Vec<f64> {
+        let at = |depth_m: &f64| self.visibility(column.point(*depth_m), 0.5);
+        depths_m.iter().map(at).collect()
+    }
+
+    /// Density samples of the texels marched so far.
+    pub(super) fn map_samples(&self) -> u64 {
+        match &self.kind {
+            Kind::March(_) => 0,
+            Kind::Map(map) => map.samples(),
+        }
+    }
+
+    pub(super) fn counted(&self, p: DVec3, rnd: f64, tally: &Tally) -> f64 {
+        let Oracle { scene, sun, .. } = self.oracle;
+        if ground_blocks(&scene.container, p, *sun) {
+            return 0.0;
+        }
+        let ray = LayerRay::new(&scene.container, p, *sun, (0.0, UNLIMITED_M));
+        let way = Way {
+            field: &self.oracle.field,
+            skip: self.skip,
+            ray,
+            samples: &tally.light,
+        };
+        match &self.kind {
+            Kind::March(march) => march.transmittance(&way, rnd),
+            Kind::Map(map) => {
+                count(&tally.look_ups);
+                let Some(uv) = map.uv(p) else {
+                    count(&tally.fallbacks);
+                    return fallback(&way);
+                };
+                map.transmittance(uv, ray.length_m())
+            }
+        }
+    }
+}

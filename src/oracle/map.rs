@@ -1,0 +1,223 @@
+//! A light map in f64. Texels are marched when they are first asked for: memory follows what the view needs, not the
+//! map's size.
+
+use super::field::Field;
+use super::layer::{LayerRay, UNLIMITED_M};
+use super::way::Way;
+use super::{Options, Oracle};
+use crate::error::{Error, Result};
+use crate::occlusion::MethodSetup;
+use crate::occlusion::rounding::Rounding;
+use crate::occlusion::twin::{Column, Encoding, LookUp};
+use crate::raymarch::light_map::MapRectangle;
+use crate::scene::Container;
+use glam::DVec3;
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Locks among which texels are spread.
+const SHARDS: usize = 64;
+/// Most memory that texels of one map may come to, bytes.
+const MAX_BYTES: u64 = 4 << 30;
+
+/// What a texel holds.
+struct Texel {
+    values: Box<[f64]>,
+    /// Length of its column over L_max.
+    length: f64,
+    /// Density samples its march took.
+    samples: u64,
+}
+
+/// How texels answer a look-up between them.
+#[derive(Clone, Copy, PartialEq)]
+enum Rule {
+    Nearest,
+    /// Interpolate stored values.
+    Hardware,
+    /// Interpolate transmittances.
+    Blend,
+}
+
+/// See the module.
+pub(super) struct LightMap {
+    rectangle: MapRectangle,
+    container: Container,
+    field: Arc<Field>,
+    skip: bool,
+    sun: DVec3,
+    resolution: u32,
+    steps: u32,
+    sampling: &'static str,
+    rule: Rule,
+    encoding: Box<dyn Encoding>,
+    rounding: Rounding,
+    shards: Vec<Mutex<HashMap<u64, Arc<Texel>>>>,
+}
+
+impl LightMap {
+    pub fn new(
+        oracle: &Oracle,
+        setup: &MethodSetup,
+        encoding: Box<dyn Encoding>,
+        options: Options,
+    ) -> Result<Self> {
+        let Oracle { scene, image, .. } = oracle;
+        let resolution = setup.params.int("resolution")?;
+        let values = setup
+            .method
+            .plan(&setup.params)?
+            .map_values
+            .unwrap_or_default();
+        let samples =
+            u64::from(image.width) * u64::from(image.height) * u64::from(scene.march.most_steps());
+        let texels = u64::from(resolution).pow(2).min(4 * samples);
+        if texels.saturating_mul(8 * u64::from(values)) > MAX_BYTES {
+            return Err(Error::input(
+                "method",
+                format!(
+                    "the f64 map could take {texels} texels of {values} values, more than 4 GiB"
+                ),
+                "Choose a smaller `resolution` or fewer values a texel.",
+            ));
+        }
+        Ok(Self {
+            rectangle: MapRectangle::fit(scene, *image, resolution),
+            container: scene.container.clone(),
+            field: oracle.field.clone(),
+            skip: options.skip,
+            sun: oracle.sun,
+            resolution,
+            steps: setup.params.int("steps")?,
+            sampling: setup.params.choice("sampling")?,
+            rule: match setup.params.choice("lookup")? {
+                "nearest" => Rule::Nearest,
+                "hardware" => Rule::Hardware,
+                _ => Rule::Blend,
+            },
+            encoding,
+            rounding: options.rounding,
+            shards: (0..SHARDS).map(|_| Mutex::default()).collect(),
+        })
+    }
+
+    /// (u, v) in the rectangle; `None` outside.
+    pub fn uv(&self, p: DVec3) -> Option<[f64; 2]> {
+        let r = &self.rectangle;
+        let uv = [
+            (p.dot(r.u_axis) - r.origin_m[0]) / r.extent_m,
+            (p.dot(r.v_axis) - r.origin_m[1]) / r.extent_m,
+        ];
+        uv.iter().all(|v| (0.0..=1.0).contains(v)).then_some(uv)
+    }
+
+    /// V at depth `depth_m`.
+    pub fn transmittance(&self, uv: [f64; 2], depth_m: f64) -> f64 {
+        if self.rectangle.depth_m <= 0.0 {
+            return 1.0;
+        }
+        let depth = depth_m / self.rectangle.depth_m;
+        let ask = |values: &[f64], length: f64| {
+            self.encoding
+                .transmittance(values, LookUp { depth, length }, &self.rounding)
+        };
+        if self.rule == Rule::Nearest {
+            let texel = self.texel(uv.map(|v| self.clamped((v * self.edge()).floor())));
+            return ask(&texel.values, texel.length);
+        }
+        let taps = self.taps(uv).map(|(at, share)| (self.texel(at), share));
+        if self.rule == Rule::Blend {
+            return taps
+                .iter()
+                .map(|(texel, share)| share * ask(&texel.values, texel.length))
+                .sum();
+        }
+        let mut values = vec![0.0; taps[0].0.values.len()];
+        for (texel, share) in &taps {
+            for (sum, value) in values.iter_mut().zip(&texel.values) {
+                *sum += share * value;
+            }
+        }
+        ask(&values, self.column(uv).length_m() / self.rectangle.depth_m)
+    }
+
+    fn edge(&self) -> f64 {
+        f64::from(self.resolution)
+    }
+
+    fn clamped(&self, position: f64) -> u32 {
+        position.clamp(0.0, self.edge() - 1.0) as u32
+    }
+
+    /// The four texels around a point and their bilinear shares; clamped at the map's edge.
+    fn taps(&self, uv: [f64; 2]) -> [([u32; 2], f64); 4] {
+        let position = uv.map(|v| v * self.edge() - 0.5);
+        let low = position.map(f64::floor);
+        let share = [position[0] - low[0], position[1] - low[1]];
+        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|corner: [u32; 2]| {
+            let at = [0, 1].map(|i| self.clamped(low[i] + f64::from(corner[i])));
+            let weight = |i: usize| {
+                if corner[i] == 1 {
+                    share[i]
+                } else {
+                    1.0 - share[i]
+                }
+            };
+            (at, weight(0) * weight(1))
+        })
+    }
+
+    /// The column through a point of the map, from the sun side.
+    fn column(&self, uv: [f64; 2]) -> LayerRay {
+        let r = &self.rectangle;
+        let plane = [0, 1].map(|i| r.origin_m[i] + uv[i] * r.extent_m);
+        let origin = plane[0] * r.u_axis + plane[1] * r.v_axis;
+        LayerRay::new(
+            &self.container,
+            origin,
+            -self.sun,
+            (-UNLIMITED_M, UNLIMITED_M),
+        )
+    }
+
+    /// Density samples of all texels so far.
+    pub fn samples(&self) -> u64 {
+        let shard = |shard: &Mutex<HashMap<_, Arc<Texel>>>| -> u64 {
+            let texels = shard.lock().unwrap_or_else(PoisonError::into_inner);
+            texels.values().map(|texel| texel.samples).sum()
+        };
+        self.shards.iter().map(shard).sum()
+    }
+
+    fn texel(&self, at: [u32; 2]) -> Arc<Texel> {
+        let key = u64::from(at[1]) * u64::from(self.resolution) + u64::from(at[0]);
+        let shard = &self.shards[key as usize % SHARDS];
+        let lock = || shard.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(texel) = lock().get(&key) {
+            return texel.clone();
+        }
+        let texel = Arc::new(self.march(at));
+        lock().entry(key).or_insert(texel).clone()
+    }
+
+    fn march(&self, at: [u32; 2]) -> Texel {
+        let samples = Cell::new(0);
+        let way = Way {
+            field: &self.field,
+            skip: self.skip,
+            ray: self.column(at.map(|i| (f64::from(i) + 0.5) / self.edge())),
+            samples: &samples,
+        };
+        let column = Column::march(&way, self.steps, self.sampling, self.rectangle.depth_m);
+        let values = self.encoding.encode(&column, &self.rounding);
+        Texel {
+            values: values
+                .into_iter()
+                .map(|v| self.rounding.stored(v))
+                .collect(),
+            length: column.length_m / self.rectangle.depth_m,
+            samples: samples.get(),
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The view march in f64: L = Σₖ Tₖ (1 − e^(−σₖΔ)) · albedo · (p(θ) E V(pₖ) + ambient(pₖ)) + T · background.
+
+use super::Oracle;
+use super::layer::{LayerRay, UNLIMITED_M, height_fraction};
+use super::light::{Occlusion, Tally};
+use super::way::count;
+use crate::error::{Error, Result};
+use crate::frame::Frame;
+use crate::raymarch::{Counts, Progress, Samples};
+use crate::scene::{Integration, March};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+/// Rows between two calls of a watcher, for each thread.
+const ROWS_A_THREAD: usize = 4;
+
+/// Radiance and opacity; sunlight and mean V.
+type Pixel = ([f32; 4], [f32; 4]);
+
+/// Light gathered along one view ray, in units of its sources.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gathered {
+    /// Σ weight·V.
+    lit: f64,
+    /// Σ weight.
+    weights: f64,
+    /// Σ weight·ambient, RGB.
+    ambient: DVec3,
+    /// What is left of the background.
+    transmittance: f64,
+}
+
+/// Interleaved gradient noise in [0, 1), Jimenez 2014, *Next Generation Post Processing in Call of Duty*.
+fn gradient_noise(column: u32, row: u32) -> f64 {
+    let phase = f64::from(column) * 0.067_110_56 + f64::from(row) * 0.005_837_15;
+    (52.982_918_9 * phase.fract()).fract()
+}
+
+/// Henyey & Greenstein 1941.
+fn henyey_greenstein(g: f64, cosine: f64) -> f64 {
+    let base = (1.0 - g).powi(2) + 2.0 * g * (1.0 - cosine);
+    (1.0 - g * g) / (4.0 * PI * base * base.sqrt())
+}
+
+impl Oracle {
+    /// Direction of the ray through a pixel's centre.
+    pub(super) fn direction(&self, column: u32, row: u32) -> DVec3 {
+        let (width, height) = (f64::from(self.image.width), f64::from(self.image.height));
+        let (right, up, forward) = self.scene.camera.basis();
+        let (half_x, half_y) = self.scene.camera.half_extent(width / height);
+        let x = 2.0 * (f64::from(column) + 0.5) / width - 1.0;
+        let y = 1.0 - 2.0 * (f64::from(row) + 0.5) / height;
+        (forward + right * (x * half_x) + up * (y * half_y)).normalize()
+    }
+
+    /// The part of a view ray inside the layer.
+    pub(super) fn view_ray(&self, direction: DVec3) -> LayerRay {
+        let camera = &self.scene.camera;
+        let far_m = camera.far_m.unwrap_or(UNLIMITED_M);
+        LayerRay::new(
+            &self.scene.container,
+            camera.position_m.into(),
+            direction,
+            (0.0, far_m),
+        )
+    }
+
+    fn phase(&self, cosine: f64) -> f64 {
+        let lobes = self.scene.medium.phase.iter();
+        lobes
+            .map(|lobe| lobe.weight * henyey_greenstein(lobe.g, cosine))
+            .sum()
+    }
+
+    fn ambient_radiance(&self, p: DVec3) -> DVec3 {
+        self.ambient.map_or(DVec3::ZERO, |(base, top)| {
+            base.lerp(top, height_fraction(&self.scene.container, p))
+        })
+    }
+
+    fn background(&self, direction: DVec3) -> DVec3 {
+        match &self.sky {
+            None => DVec3::ZERO,
+            Some((_, ground)) if direction.y < 0.0 => *ground,
+            Some((sky, _)) => sky.radiance(direction).into(),
+        }
+    }
+}
+
+/// Steps over `length_m` of a view ray.
+fn view_steps(march: &March, length_m: f64) -> u32 {
+    match march.step_m {
+        Some(step_m) => (length_m / step_m)
+            .ceil()
+            .clamp(1.0, f64::from(March::MAX_STEPS)) as u32,
+        None => march.steps,
+    }
+}
+
+impl Occlusion<'_> {
+    /// The picture and what it took; sums in f64, pixels in f32.
+    pub fn render(&self, progress: Progress) -> Result<(Frame, Counts)> {
+        let (width, height) = (self.oracle.image.width, self.oracle.image.height);
+        let pixels = width as usize * height as usize;
+        let mut frame = Frame {
+            width,
+            height,
+            radiance: Vec::with_capacity(pixels),
+            sun: Vec::with_capacity(pixels),
+        };
+        let mut counts = Counts::default();
+        let batch = ROWS_A_THREAD * rayon::current_num_threads();
+        for first in (0..height).step_by(batch) {
+            let last = height.min(first.saturating_add(batch as u32));
+            let rows: Vec<_> = (first..last)
+                .into_par_iter()
+                .map(|row| self.row(row))
+                .collect();
+            for (pixels, tally) in rows {
+                frame
+                    .radiance
+                    .extend(pixels.iter().map(|(radiance, _)| *radiance));
+                frame.sun.extend(pixels.iter().map(|(_, sun)| *sun));
+                add(&mut counts, &tally);
+            }
+            if progress(f64::from(last) / f64::from(height)) == ControlFlow::Break(()) {
+                return Err(Error::Stopped);
+            }
+        }
+        counts.samples.map = self.map_samples();
+        Ok((frame, counts))
+    }
+
+    fn row(&self, row: u32) -> (Vec<Pixel>, Counts) {
+        let tally = Tally::default();
+        let pixels = (0..self.oracle.image.width)
+            .map(|column| self.pixel(column, row, &tally))
+            .collect();
+        (pixels, tally.counts())
+    }
+
+    fn pixel(&self, column: u32, row: u32, tally: &Tally) -> Pixel {
+        let oracle = self.oracle;
+        let medium = &oracle.scene.medium;
+        let direction = oracle.direction(column, row);
+        let noise = gradient_noise(column, row);
+        let gathered = self.gather(direction, noise, tally);
+        let phase = oracle.phase(direction.dot(oracle.sun));
+        let sun = oracle.irradiance * (medium.albedo * phase * gathered.lit);
+        let radiance = sun
+            + gathered.ambient * medium.albedo
+            + oracle.background(direction) * gathered.transmittance;
+        let mean = if gathered.weights > 0.0 {
+            gathered.lit / gathered.weights
+        } else {
+            0.0
+        };
+        let pack = |rgb: DVec3, a: f64| rgb.extend(a).as_vec4().to_array();
+        (
+            pack(radiance, 1.0 - gathered.transmittance),
+            pack(sun, mean),
+        )
+    }
+
+    fn gather(&self, direction: DVec3, noise: f64, tally: &Tally) -> Gathered {
+        let oracle = self.oracle;
+        let march = &oracle.scene.march;
+        let ray = oracle.view_ray(direction);
+        let length_m = ray.length_m();
+        let steps = view_steps(march, length_m);
+        let step_m = length_m / f64::from(steps);
+        let offset = if march.jitter { noise } else { 0.5 };
+        let mut sum = Gathered {
+            transmittance: 1.0,
+            ..Gathered::default()
+        };
+        if length_m <= 0.0 {
+            return sum;
+        }
+        for k in 0..steps {
+            let p = ray.point((f64::from(k) + offset) * step_m);
+            if self.skip && oracle.field.clear_m(p).is_some() {
+                continue;
+            }
+            count(&tally.view);
+            let thickness = oracle.field.extinction_per_m(p) * step_m;
+            if thickness <= 0.0 {
+                continue;
+            }
+            let weight = sum.transmittance
+                * match march.integration {
+                    Integration::Analytic => -(-thickness).exp_m1(),
+                    Integration::Thesis => (-thickness).exp() * thickness,
+                };
+            let rnd = (noise + 0.618_034 * (f64::from(k) + 1.0)).fract();
+            sum.lit += weight * self.counted(p, rnd, tally);
+            sum.weights += weight;
+            sum.ambient += weight * oracle.ambient_radiance(p);
+            sum.transmittance *= (-thickness).exp();
+            // Nothing behind this can change an f64 sum.
+            if sum.transmittance < f64::EPSILON / 2.0 {
+                break;
+            }
+        }
+        sum
+    }
+}
+
+fn add(sum: &mut Counts, more: &Counts) {
+    let Samples { view, light, .. } = more.samples;
+    sum.samples.view += view;
+    sum.samples.light += light;
+    sum.look_ups += more.look_ups;
+    sum.fallbacks += more.fallbacks;
+}

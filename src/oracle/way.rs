@@ -1,0 +1,44 @@
+//! Extinction along a way through a scene, counted.
+
+use super::field::Field;
+use super::layer::LayerRay;
+use crate::occlusion::twin::LightRay;
+use std::cell::Cell;
+
+/// A straight way of light through the medium.
+pub(super) struct Way<'a> {
+    pub field: &'a Field,
+    /// Skip provably empty space.
+    pub skip: bool,
+    pub ray: LayerRay,
+    /// Density samples taken.
+    pub samples: &'a Cell<u64>,
+}
+
+/// One more.
+pub(super) fn count(cell: &Cell<u64>) {
+    cell.set(cell.get() + 1);
+}
+
+impl LightRay for Way<'_> {
+    fn length_m(&self) -> f64 {
+        self.ray.length_m()
+    }
+
+    fn extinction_per_m(&self, s_m: f64) -> f64 {
+        let p = self.ray.point(s_m);
+        if self.skip && self.field.clear_m(p).is_some() {
+            return 0.0;
+        }
+        count(self.samples);
+        self.field.extinction_per_m(p)
+    }
+
+    fn clear_m(&self, s_m: f64) -> Option<f64> {
+        if !self.skip {
+            return None;
+        }
+        let clear_m = self.field.clear_m(self.ray.point(s_m))?;
+        Some(clear_m.min(self.ray.before_gap_m(s_m)))
+    }
+}
