@@ -28,7 +28,8 @@ fn encode(column: Column) {
         tau += sigma * column.step_m;
     }
 #ifdef FORM_PUBLISHED
-    store(column, 0u, vec4f(select(front, -1.0, front < 0.0), mean_extinction(column, tau, occupied, front), tau, 0.0));
+    let z = select(front, -1.0, front < 0.0);
+    store(column, 0u, vec4f(z, mean_extinction(column, tau, occupied, z), tau, 0.0));
 #else
     let z = select(front, 1.0, front < 0.0);
     let mean = mean_extinction(column, tau, occupied, z);

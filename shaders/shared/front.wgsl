@@ -2,7 +2,7 @@
 //
 //   FRONT_THRESHOLD (thesis M): T first falls below 0.99, interpolated inside the step with constant σ:
 //                    z = near edge + (−ln 0.99 − τ)/σ
-//   FRONT_FIRST: near edge of the first step with extinction
+//   FRONT_FIRST: near edge of the first step with extinction and length
 //
 // Cost: one column march up to the front.
 #import map::map
@@ -14,7 +14,7 @@ const FRONT_TAU: f32 = 0.010050336; // −ln 0.99
 fn front_in_step(column: Column, k: u32, sigma: f32, tau: f32) -> f32 {
     let near_m = f32(k) * column.step_m;
 #ifdef FRONT_FIRST
-    return select(-1.0, near_m, sigma > 0.0);
+    return select(-1.0, near_m, sigma > 0.0 && column.step_m > 0.0);
 #else
     if tau + sigma * column.step_m <= FRONT_TAU {
         return -1.0;

@@ -1,13 +1,13 @@
 //! The view march in f64: L = Σₖ Tₖ (1 − e^(−σₖΔ)) · albedo · (p(θ) E V(pₖ) + ambient(pₖ)) + T · background.
 
 use super::Oracle;
-use super::layer::{LayerRay, UNLIMITED_M, height_fraction};
+use super::layer::{LayerRay, UNLIMITED_M, ground_blocks, height_fraction};
 use super::light::{Occlusion, Tally};
 use super::way::count;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::raymarch::{Counts, Progress, Samples};
-use crate::scene::{Integration, March};
+use crate::scene::{Integration, March, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -81,9 +81,14 @@ impl Oracle {
     }
 
     fn background(&self, direction: DVec3) -> DVec3 {
+        let Scene {
+            container, camera, ..
+        } = &self.scene;
         match &self.sky {
             None => DVec3::ZERO,
-            Some((_, ground)) if direction.y < 0.0 => *ground,
+            Some((_, ground)) if ground_blocks(container, camera.position_m.into(), direction) => {
+                *ground
+            }
             Some((sky, _)) => sky.radiance(direction).into(),
         }
     }

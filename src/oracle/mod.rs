@@ -48,7 +48,7 @@ pub struct Oracle {
     sun: DVec3,
     /// Irradiance perpendicular to the beam, × sun_gain, RGB.
     irradiance: DVec3,
-    /// The sky, and the radiance of the ground below its horizon.
+    /// The sky, and the radiance of the ground where a ray meets it.
     sky: Option<(SkyModel, DVec3)>,
     /// At the layer's base and top, RGB radiance.
     ambient: Option<(DVec3, DVec3)>,

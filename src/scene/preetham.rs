@@ -202,9 +202,9 @@ fn optical_mass(sine: f64) -> f64 {
 fn linear_srgb([luminance, x, y]: [f64; 3]) -> [f64; 3] {
     let (x, z) = (luminance * x / y, luminance * (1.0 - x - y) / y);
     [
-        3.2406 * x - 1.5372 * luminance - 0.4986 * z,
-        -0.9689 * x + 1.8758 * luminance + 0.0415 * z,
-        0.0557 * x - 0.2040 * luminance + 1.0570 * z,
+        3.2404542 * x - 1.5371385 * luminance - 0.4985314 * z,
+        -0.9692660 * x + 1.8760108 * luminance + 0.0415560 * z,
+        0.0556434 * x - 0.2040259 * luminance + 1.0572252 * z,
     ]
     .map(|v: f64| v.max(0.0))
 }
