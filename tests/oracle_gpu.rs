@@ -16,7 +16,7 @@ use occlab::frame::Frame;
 use occlab::occlusion::rounding::{Format, Rounding};
 use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::oracle::{Filter, Options, Oracle};
-use occlab::scene::{Ambient, Density, ImageSize, Integration, Scene, Sky};
+use occlab::scene::{Ambient, Container, Density, ImageSize, Integration, Scene, Sky};
 
 const IMAGE: ImageSize = ImageSize {
     width: 48,
@@ -323,7 +323,7 @@ fn views_with_sky_ambient_and_two_decks() {
     }
 }
 
-/// The sky alone: coefficients with 4 digits on one side and 7 on the other, 2e-4 of XYZ.
+/// The sky alone, whose coefficients a device holds in f32.
 #[test]
 fn sky_behind_nothing() {
     let mut scene = box_scene([-1.0; 3], [1.0; 3], 0.0);
@@ -373,6 +373,45 @@ fn columns_that_never_begin_agree() {
             println!("{id} {params} at {extinction_per_m}: {error:.1e}");
             let tolerance = setup.method.info().tolerance;
             assert!(error <= tolerance, "{id} {params}: {error:.1e}");
+        }
+    });
+}
+
+/// View rays that leave a shell through its inner sphere and come back, under a low sun whose rays do so too.
+#[test]
+fn rays_across_the_gap_of_a_shell() {
+    let mut scene = box_scene([0.0; 3], [1.0; 3], 2e-5);
+    scene.container = Container::Shell {
+        planet_radius_m: 200_000.0,
+        base_m: 1000.0,
+        top_m: 2000.0,
+    };
+    scene.sun.elevation_deg = 2.0;
+    // From 5 km up the ray 12 degrees below the horizontal passes 500 m above ground.
+    scene.camera.position_m = [0.0, 5000.0, 0.0];
+    scene.camera.target_m = [1000.0, 5000.0 - 1000.0 * 12f64.to_radians().tan(), 0.0];
+    scene.camera.fov_y_deg = 2.0;
+    scene.validate().unwrap();
+    on_gpu(move |renderer| {
+        let view = renderer.view(&scene, IMAGE).unwrap();
+        let oracle = [Oracle::new(&scene, IMAGE).unwrap()];
+        let mut filled = scene.clone();
+        filled.container = Container::Shell {
+            planet_radius_m: 200_000.0,
+            base_m: 400.0,
+            top_m: 2000.0,
+        };
+        let control = [Oracle::new(&filled, IMAGE).unwrap()];
+        for (id, params) in [("srm", ""), ("truth", "step_m=100"), ("bsm", MAP)] {
+            let setup = setup(id, params);
+            let device = render_view(renderer, &view, &setup);
+            let (right, wrong) = (
+                agreement(&device, &oracle, &setup),
+                agreement(&device, &control, &setup),
+            );
+            println!("shell with a gap, {id}: {right:.1e}, control {wrong:.1e}");
+            assert!(right <= 1e-4, "{id}: {right:.1e}");
+            assert!(wrong > 1e-2, "{id}: a shell without a gap passed");
         }
     });
 }
