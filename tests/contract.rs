@@ -3,8 +3,8 @@
 mod common;
 
 use common::{
-    box_scene, count_view, cube_density, cumulus, hashed, on_gpu, pixel_ray, relative_rmse, render,
-    render_view, setup, size, write_cube,
+    box_scene, count_view, cube_density, cumulus, hashed, on_gpu, pixel_ray, reds, relative_rmse,
+    render, render_view, setup, size, write_cube,
 };
 use occlab::frame::{Frame, is_nonfinite};
 use occlab::occlusion::{MethodSetup, REGISTRY};
@@ -381,5 +381,34 @@ fn memory_follows_from_values_and_format() {
             let memory = renderer.prepare(&view, &setup(id, "")).unwrap().memory;
             assert_eq!((memory.payload_bytes, memory.map_bytes), (0, 0), "{id}");
         }
+    });
+}
+
+/// A cloud of three pixels between the rays that look for what the view sees: every look-up falls outside the map, is
+/// marched and counted, and is what a march of six quadratic steps gives.
+#[test]
+fn what_no_map_covers_is_marched_and_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = box_scene([1.0, 0.8, 100.0], [2.0, 1.8, 101.0], 2.0);
+    scene.density = cube_density(write_cube(folder.path(), 12, |x, y, z| {
+        hashed(x / 3, y / 3, z / 3)
+    }));
+    (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (50.0, 30.0);
+    scene.camera.position_m = [0.0; 3];
+    scene.camera.target_m = [0.0, 0.0, 1.0];
+    scene.camera.fov_y_deg = 45.0;
+    scene.validate().unwrap();
+    on_gpu(move |renderer| {
+        let view = renderer.view(&scene, size(400, 225)).unwrap();
+        let marched = |steps| render_view(renderer, &view, &setup("srm", steps));
+        let (six, five) = (marched("steps=6"), marched("steps=5"));
+        let bsm = small("bsm", "");
+        let mapped = render_view(renderer, &view, &bsm);
+        let counts = count_view(renderer, &view, &bsm);
+        assert!(counts.look_ups > 100 && counts.fallbacks == counts.look_ups);
+        let error = relative_rmse(reds(&mapped, &six));
+        let control = relative_rmse(reds(&mapped, &five));
+        assert!(error <= 1e-6, "{error:.1e}");
+        assert!(control > 1e-3, "five steps passed for six: {control:.1e}");
     });
 }

@@ -17,7 +17,7 @@ pub struct MapRectangle {
     pub origin_m: [f64; 2],
     /// Edge, metres.
     pub extent_m: f64,
-    /// Longest column, metres; 0 when the view sees nothing of the layer.
+    /// Longest column, metres; 0 when the view seems to see nothing of the layer.
     pub depth_m: f64,
 }
 
@@ -42,7 +42,8 @@ impl MapRectangle {
             return Self {
                 u_axis,
                 v_axis,
-                origin_m: [0.0; 2],
+                // Far from everything: what the rays missed is marched and counted, not lit.
+                origin_m: [1e30; 2],
                 extent_m: 1.0,
                 depth_m: 0.0,
             };
