@@ -66,8 +66,18 @@ impl Store {
         self.path(&format!("cells/{id}.json")).exists()
     }
 
+    /// The cell recorded under `id`; its own id, under which it would be written again, must be the same.
     pub fn cell(&self, id: &str) -> Result<Cell> {
-        read(&self.path(&format!("cells/{id}.json")))
+        let path = self.path(&format!("cells/{id}.json"));
+        let cell: Cell = read(&path)?;
+        if cell.id != id {
+            return Err(Error::input(
+                path.display().to_string(),
+                format!("it holds the cell `{}`", cell.id),
+                "Remove this file; the next run makes it again.",
+            ));
+        }
+        Ok(cell)
     }
 
     pub fn put_cell(&self, cell: &Cell) -> Result<()> {

@@ -1,7 +1,7 @@
 //! Frames as OpenEXR files: lossless, and open to any other tool.
 
 use super::atomic::write_atomic;
-use super::{Frame, check_size, shown};
+use super::{Frame, check_backed, check_size, shown};
 use crate::error::{Error, Result};
 use exr::prelude::{
     Blocks, ChannelDescription, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder,
@@ -9,6 +9,13 @@ use exr::prelude::{
     WritableImage,
 };
 use std::path::Path;
+
+/// Bytes of memory that a pixel of a [`Frame`] takes.
+const FRAME_BYTES: u64 = 32;
+/// Bytes of pixels that any file may announce, however well it is compressed.
+const FREE_BYTES: u64 = 64 << 20;
+/// Bytes of pixels that a byte of a file may announce. ZIP reaches 1032, wavelets more on pictures of one colour.
+const BYTES_A_BYTE: u64 = 1 << 16;
 
 /// One pixel of our files: R, G, B, A, sun.R, sun.G, sun.B, sun.V.
 type Pixel = (f32, f32, f32, f32, f32, f32, f32, f32);
@@ -136,16 +143,24 @@ fn set(loading: &mut Loading, at: Vec2<usize>, (r, g, b, a, sr, sg, sb, v): Pixe
 fn check_headers(path: &Path) -> Result<()> {
     let meta =
         MetaData::read_from_file(path, false).map_err(|e| failed(path, e, Error::reading))?;
+    let file_bytes = std::fs::metadata(path).map_err(Error::reading(path))?.len();
     let refuse = |message: String| Error::Image {
         path: path.to_owned(),
         message,
     };
     let mut usable = false;
     for header in &meta.headers {
-        check_size(
+        let pixels = check_size(
             &shown(path),
             header.layer_size.x() as u64,
             header.layer_size.y() as u64,
+        )? as u64;
+        let pixel_bytes = FRAME_BYTES.max(header.channels.bytes_per_pixel as u64);
+        check_backed(
+            &shown(path),
+            pixels.saturating_mul(pixel_bytes),
+            FREE_BYTES.max(file_bytes.saturating_mul(BYTES_A_BYTE)),
+            file_bytes,
         )?;
         let channels = &header.channels.list;
         usable |= ["R", "G", "B"]

@@ -10,6 +10,7 @@ use crate::frame::atomic::write_atomic;
 use crate::frame::{Frame, read_frame, write_frame};
 use crate::gpu::sources_hash;
 use crate::occlusion::MethodSetup;
+use crate::scene::ImageSize;
 use serde::{Deserialize, Serialize};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -68,9 +69,9 @@ struct Sheet {
     checksum: String,
 }
 
-/// The folder for truths: `OCCLAB_CACHE`, or the user's cache folder.
+/// The folder for truths: `OCCLAB_CACHE` unless it is empty, or the user's cache folder.
 pub fn cache_folder() -> Option<PathBuf> {
-    if let Some(folder) = std::env::var_os("OCCLAB_CACHE") {
+    if let Some(folder) = std::env::var_os("OCCLAB_CACHE").filter(|folder| !folder.is_empty()) {
         return Some(folder.into());
     }
     directories::ProjectDirs::from("", "", "occlab").map(|dirs| dirs.cache_dir().join("truth"))
@@ -87,7 +88,7 @@ pub fn truth(
     let id = truth_id(renderer, view);
     let mut note = None;
     if let Some(folder) = cache {
-        match read(folder, &id, view) {
+        match read(folder, &id, view.image) {
             Ok(Some((frame, cost))) if cost.samples.is_some() || counting == Counting::Off => {
                 return Ok(Truth {
                     id,
@@ -171,7 +172,7 @@ fn paths(folder: &Path, id: &str) -> (PathBuf, PathBuf) {
 }
 
 /// A whole entry; `None` when there is none (a picture without its sheet is one that was being written).
-fn read(folder: &Path, id: &str, view: &View) -> Result<Option<(Frame, TruthCost)>> {
+fn read(folder: &Path, id: &str, image: ImageSize) -> Result<Option<(Frame, TruthCost)>> {
     let (picture, sheet) = paths(folder, id);
     let text = match std::fs::read(&sheet) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -192,7 +193,7 @@ fn read(folder: &Path, id: &str, view: &View) -> Result<Option<(Frame, TruthCost
         ));
     }
     let frame = read_frame(&picture)?;
-    if (frame.width, frame.height) != (view.image.width, view.image.height) {
+    if (frame.width, frame.height) != (image.width, image.height) {
         return Err(unusable(&picture, "it has another size"));
     }
     Ok(Some((frame, cost)))
