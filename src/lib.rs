@@ -12,6 +12,9 @@
 
 pub mod batch;
 pub mod config;
+#[cfg(test)]
+#[path = "../tests/hostile/damage.rs"]
+mod damage;
 pub mod density;
 pub mod error;
 pub mod frame;

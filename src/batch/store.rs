@@ -149,3 +149,100 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::record::Report;
+    use crate::damage::{cases, changed, changes, damaged, edits};
+    use proptest::prelude::*;
+
+    fn report() -> Report {
+        serde_json::from_str(include_str!("../../tests/hostile/report.json")).expect("fixture")
+    }
+
+    /// A store whose cells and truth are those of the fixture.
+    fn filled(folder: &Path) -> Store {
+        let report = report();
+        let store = open(folder).expect("store");
+        report
+            .cells
+            .iter()
+            .for_each(|c| store.put_cell(c).expect("cell"));
+        let reference = &report.references[0];
+        store
+            .put_reference(&reference.id, reference)
+            .expect("truth");
+        store
+    }
+
+    fn open(folder: &Path) -> Result<Store> {
+        let report = report();
+        Store::open(folder, &report.experiment, &report.environment)
+    }
+
+    fn names(error: &Error, file: &str) -> bool {
+        let message = error.to_string();
+        message.contains(file) && !message.chars().any(char::is_control)
+    }
+
+    /// What a damaged file in the folder of a batch leads to: the record under its own id, or an error that names the file.
+    fn holds(damage: impl Fn(&[u8]) -> Vec<u8>) {
+        let folder = tempfile::tempdir().expect("folder");
+        let store = filled(folder.path());
+        let spoil = |file: &str| {
+            let path = store.path(file);
+            let bytes = damage(&std::fs::read(&path).expect("file"));
+            std::fs::write(&path, bytes).expect("written");
+        };
+        spoil("cells/c0.json");
+        match store.cell("c0") {
+            Ok(cell) => assert_eq!(cell.id, "c0"),
+            Err(error) => assert!(names(&error, "c0.json"), "{error}"),
+        }
+        spoil("references/t.json");
+        if let Err(error) = store.reference("t") {
+            assert!(names(&error, "t.json"), "{error}");
+        }
+        spoil(STATE);
+        if let Err(error) = open(folder.path()) {
+            assert!(
+                names(&error, &folder.path().display().to_string()),
+                "{error}"
+            );
+        }
+    }
+
+    proptest! {
+        #![proptest_config(cases())]
+
+        #[test]
+        fn damaged_files_are_read_or_refused(edits in edits()) {
+            holds(|bytes| damaged(bytes, &edits, usize::MAX));
+        }
+
+        #[test]
+        fn changed_records_are_read_or_refused(changes in changes()) {
+            holds(|bytes| {
+                let value = serde_json::from_slice(bytes).expect("record");
+                changed(value, &changes).to_string().into_bytes()
+            });
+        }
+    }
+
+    #[test]
+    fn a_cell_whose_id_is_a_path_is_refused_and_nothing_is_written_outside() {
+        let outside = tempfile::tempdir().expect("folder");
+        let store = filled(&outside.path().join("report"));
+        let mut cell = store.cell("c0").expect("cell");
+        cell.id = "../../escape".to_owned();
+        let text = serde_json::to_vec(&cell).expect("text");
+        std::fs::write(store.path("cells/c0.json"), text).expect("written");
+        let error = store.cell("c0").expect_err("refused");
+        assert!(names(&error, "c0.json") && error.to_string().contains("../../escape"));
+        assert_eq!(
+            std::fs::read_dir(outside.path()).expect("folder").count(),
+            1
+        );
+    }
+}

@@ -222,3 +222,93 @@ fn checksum(picture: &[u8], cost: &TruthCost) -> String {
     hasher.update(format!("{cost:?}").as_bytes());
     hasher.finalize().to_hex().to_string()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damage::{Edit, cases, changed, changes, damaged, edits};
+    use proptest::prelude::*;
+
+    const IMAGE: ImageSize = ImageSize {
+        width: 3,
+        height: 2,
+    };
+
+    fn entry(folder: &Path, image: ImageSize) -> (Frame, TruthCost) {
+        let pixels = image.width * image.height;
+        let plane = |k: f32| (0..pixels).map(|i| [k * i as f32; 4]).collect();
+        let frame = Frame {
+            width: image.width,
+            height: image.height,
+            radiance: plane(0.5),
+            sun: plane(0.25),
+        };
+        let cost = TruthCost {
+            march_ms: Some(1.5),
+            wall_ms: 2.5,
+            samples: Some(Samples::default()),
+        };
+        write(folder, "t", &frame, &cost).expect("entry");
+        (frame, cost)
+    }
+
+    /// An entry is the truth that was written, or nothing, or an error: never another truth.
+    fn holds(picture_edits: &[Edit], sheet: impl Fn(&[u8]) -> Vec<u8>) {
+        let folder = tempfile::tempdir().expect("folder");
+        let written = entry(folder.path(), IMAGE);
+        let (picture_path, sheet_path) = paths(folder.path(), "t");
+        let spoil = |path: &Path, damage: &dyn Fn(&[u8]) -> Vec<u8>| {
+            let bytes = damage(&std::fs::read(path).expect("file"));
+            std::fs::write(path, bytes).expect("written");
+        };
+        spoil(&picture_path, &|bytes| {
+            damaged(bytes, picture_edits, usize::MAX)
+        });
+        spoil(&sheet_path, &sheet);
+        match read(folder.path(), "t", IMAGE) {
+            Ok(found) => assert_eq!(found, Some(written)),
+            Err(error) => assert!(!error.to_string().chars().any(char::is_control), "{error}"),
+        }
+    }
+
+    proptest! {
+        #![proptest_config(cases())]
+
+        #[test]
+        fn a_damaged_entry_is_never_another_truth(
+            picture in edits(), sheet in edits(), both in any::<bool>(), which in any::<bool>(),
+        ) {
+            let (picture, sheet) = match (both, which) {
+                (true, _) => (picture, sheet),
+                (false, true) => (picture, Vec::new()),
+                (false, false) => (Vec::new(), sheet),
+            };
+            holds(&picture, |bytes| damaged(bytes, &sheet, usize::MAX));
+        }
+
+        #[test]
+        fn a_changed_sheet_is_never_another_truth(changes in changes()) {
+            holds(&[], |bytes| {
+                let value = serde_json::from_slice(bytes).expect("sheet");
+                changed(value, &changes).to_string().into_bytes()
+            });
+        }
+    }
+
+    #[test]
+    fn an_entry_of_another_size_is_refused_and_an_absent_one_is_none() {
+        let folder = tempfile::tempdir().expect("folder");
+        assert_eq!(read(folder.path(), "t", IMAGE).expect("nothing"), None);
+        let other = ImageSize {
+            width: 2,
+            height: 3,
+        };
+        let written = entry(folder.path(), other);
+        let error = read(folder.path(), "t", IMAGE).expect_err("another size");
+        assert!(error.to_string().contains("another size"));
+        assert_eq!(
+            read(folder.path(), "t", other).expect("whole"),
+            Some(written)
+        );
+    }
+}

@@ -1,7 +1,7 @@
 //! Scenes and experiments.
 
-use super::damage::{changed, changes, damaged, edits, json, text};
-use super::{cases, is_one_paragraph};
+use super::damage::{cases, changed, changes, damaged, edits, json, text};
+use super::is_one_paragraph;
 use occlab::config::{
     MAX_CELLS, MAX_FILE_BYTES, describe, expand, load_experiment, load_scene, parse_experiment,
     schema,
@@ -115,14 +115,11 @@ fn experiment_holds(folder: &Folder, text: impl AsRef<[u8]>) {
             matrix.views.iter().for_each(|view| is_usable(&view.scene));
             assert!(describe(&matrix).lines().count() > matrix.cell_count());
         }
-        // Of a scene that the experiment names, the error may name only that.
+        // The file is the experiment or a scene that it names, wherever that leads.
         Err(error) => {
             let message = error.to_string();
-            let scene = folder.0.path().join("one.json");
-            assert!(
-                is_one_paragraph(&message, &path) || is_one_paragraph(&message, &scene),
-                "{message}"
-            );
+            let folder = folder.0.path();
+            assert!(is_one_paragraph(&message, folder), "{message}");
         }
     }
 }

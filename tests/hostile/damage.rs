@@ -1,9 +1,19 @@
-//! Damage to files of bytes and to JSON values.
+//! Damage to files of bytes and to JSON values. The library's own tests use it too.
+#![allow(dead_code, reason = "each test binary uses its own part")]
 
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
+use proptest::test_runner::Config;
 use serde_json::{Map, Number, Value};
+
+/// Cases from `PROPTEST_CASES`, else 256. Failures print their input; what they find becomes a test of its own.
+pub fn cases() -> Config {
+    Config {
+        failure_persistence: None,
+        ..Config::default()
+    }
+}
 
 /// One change to a file.
 #[derive(Clone, Debug)]

@@ -12,16 +12,7 @@ mod pictures;
 mod records;
 mod volumes;
 
-use proptest::test_runner::Config;
 use std::path::Path;
-
-/// Cases from `PROPTEST_CASES`, else 256. Failures print their input; what they find becomes a test of its own.
-fn cases() -> Config {
-    Config {
-        failure_persistence: None,
-        ..Config::default()
-    }
-}
 
 /// A message for people: one line of bounded length that names the file and says what to do.
 fn is_one_paragraph(message: &str, path: &Path) -> bool {

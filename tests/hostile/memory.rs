@@ -91,3 +91,63 @@ fn lists_and_names_that_claim_too_much_are_errors_of_the_program() {
     );
     refused(&output, &["small.json", "300000 sun_elevation_deg"]);
 }
+
+/// Address space with which the software adapter still starts, KiB.
+const ADAPTER_KIB: u64 = 4 << 20;
+
+fn render(folder: &Path, extra: &[&str]) -> Output {
+    let scene = r#"{
+        "name": "v", "container": {"box": {"min_m": [0, 0, 0], "max_m": [100, 100, 100]}},
+        "density": {"volume": {"path": "v.npy", "up_axis": 1}}, "medium": {},
+        "sun": {"elevation_deg": 45, "azimuth_deg": 0, "irradiance": [1, 1, 1]},
+        "camera": {"position_m": [50, 50, -300], "target_m": [50, 50, 50], "fov_y_deg": 40}
+    }"#;
+    std::fs::write(folder.join("v.json"), scene).unwrap();
+    let mut args = vec!["render", "-s", "v.json", "-m", "none", "-o", "o.png", "-q"];
+    args.extend(extra);
+    limited(ADAPTER_KIB, &program(), &args, folder)
+}
+
+fn volume(shape: &str) -> Vec<u8> {
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}\n");
+    let length = (header.len() as u16).to_le_bytes();
+    [
+        b"\x93NUMPY\x01\x00",
+        &length[..],
+        header.as_bytes(),
+        &[0; 32],
+    ]
+    .concat()
+}
+
+#[test]
+fn a_volume_that_claims_too_much_is_an_error_of_the_program_not_an_abort() {
+    let folder = tempfile::tempdir().unwrap();
+    let claims = [
+        (
+            "(9223372036854775808, 1, 1)",
+            "axis 0 has 9223372036854775808 voxels",
+        ),
+        ("(2097152, 2097152, 2097152)", "axis 0 has 2097152 voxels"),
+        ("(2048, 2048, 512)", "announces 8589934592 bytes"),
+    ];
+    for (shape, word) in claims {
+        std::fs::write(folder.path().join("v.npy"), volume(shape)).unwrap();
+        let size = ["--width", "8", "--height", "8"];
+        refused(&render(folder.path(), &size), &["v.npy", word]);
+    }
+}
+
+#[test]
+fn a_picture_whose_bytes_do_not_fit_64_bits_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("v.npy"), volume("(2, 2, 2)")).unwrap();
+    // The product of the second pair is 2^60 + 2^15: its bytes, modulo 2^64, are those of a small picture.
+    for (width, height) in [("4294967295", "4294967295"), ("1073774592", "1073709057")] {
+        let size = ["--width", width, "--height", height];
+        refused(
+            &render(folder.path(), &size),
+            &[width, "the adapter allows"],
+        );
+    }
+}

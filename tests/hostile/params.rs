@@ -1,7 +1,6 @@
 //! `NAME=VALUE` of the command line, parameters of a method, uniform buffers.
 
-use super::cases;
-use super::damage::{json, text};
+use super::damage::{cases, json, text};
 use occlab::gpu::{Leaf, Scalar, UniformValue, pack};
 use occlab::occlusion::param::{ParamKind, ParamSpec, ParamValue};
 use occlab::occlusion::{MethodSetup, REGISTRY};

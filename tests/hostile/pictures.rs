@@ -1,7 +1,7 @@
 //! EXR and PNG.
 
-use super::damage::{WORDS, damaged, edits};
-use super::{cases, is_one_paragraph};
+use super::damage::{WORDS, cases, damaged, edits};
+use super::is_one_paragraph;
 use occlab::frame::{Frame, read_frame, read_image, write_frame};
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -1,65 +1,16 @@
 //! `report.json`.
 
-use super::damage::{changed, changes, damaged, edits, json, text};
-use super::{cases, is_one_paragraph};
-use occlab::batch::record::{Report, SCHEMA};
+use super::damage::{cases, changed, changes, damaged, edits, json, text};
+use super::is_one_paragraph;
+use occlab::batch::record::Report;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// A report of three cells: measured, measured, failed.
+/// A report of four cells, the last of which failed.
 pub fn report() -> Value {
-    let stats = |v: f64| json!({"median": v, "min": v * 0.9, "p95": v * 1.2, "cv": 0.02, "n": 3});
-    let measured = |v: f64, map: u64| {
-        json!({
-            "reference": "t", "cloud_pixel_fraction": 0.4, "fallback_fraction": 0.01,
-            "memory": {"payload_bytes": map, "map_bytes": map, "allocator_bytes": null},
-            "time_ms": {"generate": stats(v), "march": stats(10.0 * v), "total": stats(11.0 * v), "wall": stats(12.0 * v)},
-            "rounds_total_ms": [11.0, 12.0],
-            "samples": {"view": 100, "light": 200, "map": map},
-            "error": {
-                "rel_rmse": v, "bias": -v, "leak": v, "darken": -v, "p99_abs": v, "max_abs": v, "transmittance_rmse": v,
-                "floor_rel_rmse": 0.01, "flicker": null, "flicker_sun": 0.2, "flip_mean": 0.1, "flip_p99": 0.2,
-                "psnr_db": 30.0, "ssim": 0.9, "nonfinite": 0
-            },
-            "notes": [],
-            "files": {"exr": "images/a.exr", "png": "images/a.png", "diff_png": "images/a-diff.png", "diff_scale": 1.0}
-        })
-    };
-    let cell = |index: usize, method: &str, params: Value, rest: Value| {
-        let mut cell = json!({
-            "id": format!("c{index}"), "index": index, "scene": "slab", "scene_set": {"/march/steps": 64},
-            "sun_elevation_deg": 60.0, "method": method, "params": params, "backend": "Vulkan Cpu",
-            "image": {"width": 24, "height": 16}
-        });
-        cell.as_object_mut()
-            .unwrap()
-            .extend(rest.as_object().unwrap().clone());
-        cell
-    };
-    json!({
-        "schema": SCHEMA,
-        "environment": {
-            "adapter": "llvmpipe", "driver": "Mesa", "backend": "Vulkan", "device_type": "Cpu", "commit": "0.1.0",
-            "host": "linux"
-        },
-        "experiment": {"name": "small"},
-        "cells": [
-            cell(0, "srm", json!({"steps": 6}), json!({"result": measured(0.3, 0)})),
-            cell(1, "srm", json!({"steps": 10}), json!({"result": measured(0.1, 0)})),
-            cell(2, "bsm", json!({"resolution": 64}), json!({"result": measured(0.2, 4096)})),
-            cell(3, "bsm", json!({"resolution": 99}), json!({"failed": "adapter: too large"})),
-        ],
-        "references": [{
-            "id": "t", "scene": "slab", "sun_elevation_deg": 60.0, "image": {"width": 24, "height": 16},
-            "march_ms": 100.0, "light_samples": 1000, "view_samples": 100, "cached": false, "view_steps": 64,
-            "view_step_rel_rmse": 0.01, "tracks": [{"track": "pan", "frames": 16, "step_deg": 0.1}],
-            "files": {"png": "images/t.png"}
-        }],
-        "claims": [],
-        "wall": {"total_s": 1.0, "passes_s": 0.5, "compile_s": 0.2}
-    })
+    serde_json::from_str(include_str!("report.json")).unwrap()
 }
 
 /// Every file below `folder`, relative to it.

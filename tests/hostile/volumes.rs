@@ -1,7 +1,7 @@
 //! `.npy` volumes.
 
-use super::damage::{damaged, edits};
-use super::{cases, is_one_paragraph};
+use super::damage::{cases, damaged, edits};
+use super::is_one_paragraph;
 use occlab::density::volume::{MAX_AXIS, load};
 use occlab::scene::Volume;
 use proptest::collection::vec;
