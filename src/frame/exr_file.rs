@@ -72,8 +72,24 @@ pub fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
 ///
 /// Takes the first layer that has these channels, its data window, and its largest resolution level. Without `A` the
 /// opacity is 1 everywhere; without `sun.R`, `sun.G`, `sun.B` the sun-lit radiance is the radiance and V is 0.
+///
+/// A panic of the decoder is an error about the file: damaged pixels can overflow its arithmetic in a build with overflow
+/// checks. That is why it decodes on the calling thread; on a thread of its own a panic would end the process.
 pub fn read_frame(path: &Path) -> Result<Frame> {
-    check_headers(path)?;
+    let read = || {
+        check_headers(path)?;
+        decode(path)
+    };
+    std::panic::catch_unwind(read).unwrap_or_else(|_| {
+        Err(Error::Image {
+            path: path.to_owned(),
+            message: "not a usable OpenEXR file: its decoder failed".to_owned(),
+        })
+    })
+}
+
+/// The pixels of a file whose headers are good.
+fn decode(path: &Path) -> Result<Frame> {
     exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -89,6 +105,7 @@ pub fn read_frame(path: &Path) -> Result<Frame> {
         .collect_pixels(create, set)
         .first_valid_layer()
         .all_attributes()
+        .non_parallel()
         .from_file(path)
         .map(|image| image.layer_data.channel_data.pixels.frame)
         .map_err(|e| failed(path, e, Error::reading))
