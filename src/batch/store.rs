@@ -156,6 +156,7 @@ mod tests {
     use crate::batch::record::Report;
     use crate::damage::{cases, changed, changes, damaged, edits};
     use proptest::prelude::*;
+    use std::sync::LazyLock;
 
     fn report() -> Report {
         serde_json::from_str(include_str!("../../tests/hostile/report.json")).expect("fixture")
@@ -186,25 +187,37 @@ mod tests {
         message.contains(file) && !message.chars().any(char::is_control)
     }
 
+    /// A folder and its files as they were written: made once, because each is synchronised with the disk.
+    static FILLED: LazyLock<[(&str, Vec<u8>); 3]> = LazyLock::new(|| {
+        let folder = tempfile::tempdir().expect("folder");
+        let store = filled(folder.path());
+        ["cells/c0.json", "references/t.json", STATE]
+            .map(|file| (file, std::fs::read(store.path(file)).expect("file")))
+    });
+
     /// What a damaged file in the folder of a batch leads to: the record under its own id, or an error that names the file.
     fn holds(damage: impl Fn(&[u8]) -> Vec<u8>) {
         let folder = tempfile::tempdir().expect("folder");
-        let store = filled(folder.path());
-        let spoil = |file: &str| {
-            let path = store.path(file);
-            let bytes = damage(&std::fs::read(&path).expect("file"));
-            std::fs::write(&path, bytes).expect("written");
+        let store = Store {
+            folder: folder.path().to_owned(),
+            state: State {
+                experiment: Value::Null,
+                environment: report().environment,
+                wall: WallClock::default(),
+            },
         };
-        spoil("cells/c0.json");
+        for (file, bytes) in &*FILLED {
+            let path = store.path(file);
+            std::fs::create_dir_all(path.parent().expect("folder")).expect("folder");
+            std::fs::write(&path, damage(bytes)).expect("written");
+        }
         match store.cell("c0") {
             Ok(cell) => assert_eq!(cell.id, "c0"),
             Err(error) => assert!(names(&error, "c0.json"), "{error}"),
         }
-        spoil("references/t.json");
         if let Err(error) = store.reference("t") {
             assert!(names(&error, "t.json"), "{error}");
         }
-        spoil(STATE);
         if let Err(error) = open(folder.path()) {
             assert!(
                 names(&error, &folder.path().display().to_string()),

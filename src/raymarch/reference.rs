@@ -228,6 +228,7 @@ mod tests {
     use super::*;
     use crate::damage::{Edit, cases, changed, changes, damaged, edits};
     use proptest::prelude::*;
+    use std::sync::LazyLock;
 
     const IMAGE: ImageSize = ImageSize {
         width: 3,
@@ -252,21 +253,25 @@ mod tests {
         (frame, cost)
     }
 
-    /// An entry is the truth that was written, or nothing, or an error: never another truth.
-    fn holds(picture_edits: &[Edit], sheet: impl Fn(&[u8]) -> Vec<u8>) {
+    /// A truth and the files of its entry: made once, because each is synchronised with the disk.
+    static WHOLE: LazyLock<((Frame, TruthCost), Vec<u8>, Vec<u8>)> = LazyLock::new(|| {
         let folder = tempfile::tempdir().expect("folder");
         let written = entry(folder.path(), IMAGE);
+        let (picture, sheet) = paths(folder.path(), "t");
+        let bytes = |path| std::fs::read(path).expect("file");
+        (written, bytes(picture), bytes(sheet))
+    });
+
+    /// An entry is the truth that was written, or nothing, or an error: never another truth.
+    fn holds(picture_edits: &[Edit], sheet: impl Fn(&[u8]) -> Vec<u8>) {
+        let (written, whole_picture, whole_sheet) = &*WHOLE;
+        let folder = tempfile::tempdir().expect("folder");
         let (picture_path, sheet_path) = paths(folder.path(), "t");
-        let spoil = |path: &Path, damage: &dyn Fn(&[u8]) -> Vec<u8>| {
-            let bytes = damage(&std::fs::read(path).expect("file"));
-            std::fs::write(path, bytes).expect("written");
-        };
-        spoil(&picture_path, &|bytes| {
-            damaged(bytes, picture_edits, usize::MAX)
-        });
-        spoil(&sheet_path, &sheet);
+        let picture = damaged(whole_picture, picture_edits, usize::MAX);
+        std::fs::write(&picture_path, picture).expect("written");
+        std::fs::write(&sheet_path, sheet(whole_sheet)).expect("written");
         match read(folder.path(), "t", IMAGE) {
-            Ok(found) => assert_eq!(found, Some(written)),
+            Ok(found) => assert_eq!(found.as_ref(), Some(written)),
             Err(error) => assert!(!error.to_string().chars().any(char::is_control), "{error}"),
         }
     }
