@@ -253,8 +253,11 @@ mod tests {
         (frame, cost)
     }
 
-    /// A truth and the files of its entry: made once, because each is synchronised with the disk.
-    static WHOLE: LazyLock<((Frame, TruthCost), Vec<u8>, Vec<u8>)> = LazyLock::new(|| {
+    /// A truth, its picture's file and its sheet.
+    type Whole = ((Frame, TruthCost), Vec<u8>, Vec<u8>);
+
+    /// Made once, because each file is synchronised with the disk.
+    static WHOLE: LazyLock<Whole> = LazyLock::new(|| {
         let folder = tempfile::tempdir().expect("folder");
         let written = entry(folder.path(), IMAGE);
         let (picture, sheet) = paths(folder.path(), "t");
