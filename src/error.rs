@@ -1,12 +1,16 @@
 //! The library's error type: every message names the file, the place in it and the remedy.
 
+use std::fmt::{Display, Formatter, Write as _};
 use std::path::{Path, PathBuf};
+
+/// Most characters of one part of a message: a key of a megabyte must not fill the terminal.
+const MAX_PART_CHARS: usize = 1000;
 
 /// Everything that can go wrong in the core. The program prints it as one paragraph and exits with 2.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The user's input (configuration, scene, volume, command line) cannot be used.
-    #[error("{place}: {problem}. {remedy}")]
+    #[error("{}: {}. {}", Line(place), Line(problem), Line(remedy))]
     Input {
         /// File with line and column, or the command-line option.
         place: String,
@@ -16,7 +20,7 @@ pub enum Error {
         remedy: String,
     },
     /// Reading or writing a file failed.
-    #[error("{path}: cannot {action}: {source}. {remedy}", path = path.display())]
+    #[error("{}: cannot {action}: {source}. {remedy}", Line(path.display()))]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -28,7 +32,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// No adapter, a limit of the adapter, a lost device, memory.
-    #[error("adapter: {problem}. {remedy}")]
+    #[error("adapter: {}. {}", Line(problem), Line(remedy))]
     Gpu {
         /// What the driver or the limit said.
         problem: String,
@@ -44,7 +48,7 @@ pub enum Error {
         message: String,
     },
     /// An image cannot be decoded or encoded.
-    #[error("{path}: {message}", path = path.display())]
+    #[error("{}: {}", Line(path.display()), Line(message))]
     Image {
         /// The image file.
         path: PathBuf,
@@ -54,6 +58,28 @@ pub enum Error {
     /// The user or a front end asked to stop.
     #[error("stopped on request; finished cells are kept, run the same command to go on")]
     Stopped,
+}
+
+/// Text from outside as part of a paragraph: control characters are written as escapes, so that no name breaks the line
+/// or speaks to the terminal, and the middle of what is very long is left out.
+struct Line<T>(T);
+
+impl<T: Display> Display for Line<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let text = self.0.to_string();
+        let count = text.chars().count();
+        let half = MAX_PART_CHARS / 2;
+        let cut = count > MAX_PART_CHARS;
+        for (i, c) in text.chars().enumerate() {
+            match c {
+                _ if cut && i == half => f.write_char('…')?,
+                _ if cut && (half..count - half).contains(&i) => {}
+                c if c.is_control() => write!(f, "{}", c.escape_default())?,
+                c => f.write_char(c)?,
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Result with the library's [`Error`].
@@ -110,5 +136,23 @@ impl Error {
             source,
             remedy: "Free space or choose another folder, then run the same command again: finished cells are kept.",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_one_line_of_bounded_length_whatever_it_quotes() {
+        let name = format!("a\nb\u{1b}[2J{}z", "é".repeat(1 << 20));
+        let error = Error::input(&name, &name, &name).to_string();
+        assert!(error.starts_with("a\\nb\\u{1b}[2Jé") && error.ends_with("éz"));
+        assert!(error.chars().count() < 4 * MAX_PART_CHARS);
+        assert!(!error.chars().any(char::is_control));
+        let path = Path::new("a\nb");
+        let io = Error::reading(path)(std::io::ErrorKind::NotFound.into());
+        assert!(io.to_string().starts_with("a\\nb: cannot read"));
+        assert_eq!(Error::input("p", "q", "R.").to_string(), "p: q. R.");
     }
 }

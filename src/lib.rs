@@ -10,8 +10,13 @@
 //! Dependencies point right to left only. World axes: y up, right-handed, origin on the ground under the scene's
 //! centre. Units: metres, m⁻¹, degrees in files and radians in code, linear radiance with sRGB primaries.
 
+#![deny(unsafe_code)]
+
 pub mod batch;
 pub mod config;
+#[cfg(test)]
+#[path = "../tests/hostile/damage.rs"]
+mod damage;
 pub mod density;
 pub mod error;
 pub mod frame;

@@ -1,5 +1,7 @@
 //! The `occlab` program: command line to library, nothing else.
 
+#![deny(unsafe_code)]
+
 mod cli;
 
 use clap::Parser;

@@ -66,8 +66,18 @@ impl Store {
         self.path(&format!("cells/{id}.json")).exists()
     }
 
+    /// The cell recorded under `id`; its own id, under which it would be written again, must be the same.
     pub fn cell(&self, id: &str) -> Result<Cell> {
-        read(&self.path(&format!("cells/{id}.json")))
+        let path = self.path(&format!("cells/{id}.json"));
+        let cell: Cell = read(&path)?;
+        if cell.id != id {
+            return Err(Error::input(
+                path.display().to_string(),
+                format!("it holds the cell `{}`", cell.id),
+                "Remove this file; the next run makes it again.",
+            ));
+        }
+        Ok(cell)
     }
 
     pub fn put_cell(&self, cell: &Cell) -> Result<()> {
@@ -138,4 +148,114 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
             "Remove this file; the next run makes it again.",
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::record::Report;
+    use crate::damage::{cases, changed, changes, damaged, edits};
+    use proptest::prelude::*;
+    use std::sync::LazyLock;
+
+    fn report() -> Report {
+        serde_json::from_str(include_str!("../../tests/hostile/report.json")).expect("fixture")
+    }
+
+    /// A store whose cells and truth are those of the fixture.
+    fn filled(folder: &Path) -> Store {
+        let report = report();
+        let store = open(folder).expect("store");
+        report
+            .cells
+            .iter()
+            .for_each(|c| store.put_cell(c).expect("cell"));
+        let reference = &report.references[0];
+        store
+            .put_reference(&reference.id, reference)
+            .expect("truth");
+        store
+    }
+
+    fn open(folder: &Path) -> Result<Store> {
+        let report = report();
+        Store::open(folder, &report.experiment, &report.environment)
+    }
+
+    fn names(error: &Error, file: &str) -> bool {
+        let message = error.to_string();
+        message.contains(file) && !message.chars().any(char::is_control)
+    }
+
+    /// A folder and its files as they were written: made once, because each is synchronised with the disk.
+    static FILLED: LazyLock<[(&str, Vec<u8>); 3]> = LazyLock::new(|| {
+        let folder = tempfile::tempdir().expect("folder");
+        let store = filled(folder.path());
+        ["cells/c0.json", "references/t.json", STATE]
+            .map(|file| (file, std::fs::read(store.path(file)).expect("file")))
+    });
+
+    /// What a damaged file in the folder of a batch leads to: the record under its own id, or an error that names the file.
+    fn holds(damage: impl Fn(&[u8]) -> Vec<u8>) {
+        let folder = tempfile::tempdir().expect("folder");
+        let store = Store {
+            folder: folder.path().to_owned(),
+            state: State {
+                experiment: Value::Null,
+                environment: report().environment,
+                wall: WallClock::default(),
+            },
+        };
+        for (file, bytes) in &*FILLED {
+            let path = store.path(file);
+            std::fs::create_dir_all(path.parent().expect("folder")).expect("folder");
+            std::fs::write(&path, damage(bytes)).expect("written");
+        }
+        match store.cell("c0") {
+            Ok(cell) => assert_eq!(cell.id, "c0"),
+            Err(error) => assert!(names(&error, "c0.json"), "{error}"),
+        }
+        if let Err(error) = store.reference("t") {
+            assert!(names(&error, "t.json"), "{error}");
+        }
+        if let Err(error) = open(folder.path()) {
+            assert!(
+                names(&error, &folder.path().display().to_string()),
+                "{error}"
+            );
+        }
+    }
+
+    proptest! {
+        #![proptest_config(cases())]
+
+        #[test]
+        fn damaged_files_are_read_or_refused(edits in edits()) {
+            holds(|bytes| damaged(bytes, &edits, usize::MAX));
+        }
+
+        #[test]
+        fn changed_records_are_read_or_refused(changes in changes()) {
+            holds(|bytes| {
+                let value = serde_json::from_slice(bytes).expect("record");
+                changed(value, &changes).to_string().into_bytes()
+            });
+        }
+    }
+
+    #[test]
+    fn a_cell_whose_id_is_a_path_is_refused_and_nothing_is_written_outside() {
+        let outside = tempfile::tempdir().expect("folder");
+        let store = filled(&outside.path().join("report"));
+        let mut cell = store.cell("c0").expect("cell");
+        cell.id = "../../escape".to_owned();
+        let text = serde_json::to_vec(&cell).expect("text");
+        std::fs::write(store.path("cells/c0.json"), text).expect("written");
+        let error = store.cell("c0").expect_err("refused");
+        assert!(names(&error, "c0.json") && error.to_string().contains("../../escape"));
+        assert_eq!(
+            std::fs::read_dir(outside.path()).expect("folder").count(),
+            1
+        );
+    }
 }

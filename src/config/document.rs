@@ -126,6 +126,11 @@ impl Document {
         &self.value
     }
 
+    /// Length of the file's text, bytes.
+    pub(super) fn text_bytes(&self) -> u64 {
+        self.text.len() as u64
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path

@@ -14,10 +14,11 @@
 //! Every other value that can vary is one value or a list; lists multiply. A value that is itself an array
 //! (a position) is varied by a list of arrays.
 
-use super::document::Document;
+use super::document::{Document, MAX_FILE_BYTES};
 use super::locate;
+use super::matrix::MAX_CELLS;
 use crate::error::Result;
-use crate::scene::{ImageSize, Track};
+use crate::scene::{ImageSize, Track, check_name};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -144,17 +145,13 @@ impl Experiment {
 
 fn from_document(document: Document) -> Result<Experiment> {
     let file: File = document.get("")?;
-    if file.name.is_empty() || file.name.chars().count() > 200 {
-        return Err(document.error(
-            "/name",
-            "the name must have 1 to 200 characters",
-            "Give the experiment a short name.",
-        ));
-    }
+    check_name(&file.name)
+        .map_err(|problem| document.error("/name", problem, "Give the experiment a short name."))?;
     let enough = "5 timed runs after 1 discarded are enough for a median.";
     check_count(&document, "/runs", file.runs, enough)?;
     let first = "At least 1, because the first run of a pipeline also pays for caches and clocks.";
     check_count(&document, "/discard", file.discard, first)?;
+    check_lists(&document)?;
     let shorthands = shorthands(&document, &file)?;
     let each = |pointer: &str| document.one_or_many(pointer);
     Ok(Experiment {
@@ -162,10 +159,7 @@ fn from_document(document: Document) -> Result<Experiment> {
             .iter()
             .map(|(place, _)| image(&document, place))
             .collect::<Result<_>>()?,
-        scenes: each("/scenes")?
-            .iter()
-            .map(|(place, value)| scene(&document, place, value, &shorthands))
-            .collect::<Result<_>>()?,
+        scenes: scenes(&document, &each("/scenes")?, &shorthands)?,
         methods: each("/methods")?
             .iter()
             .map(|(place, value)| method(&document, place, value))
@@ -187,6 +181,59 @@ fn check_count(document: &Document, pointer: &str, count: u32, remedy: &str) -> 
     }
     let problem = format!("the value is {count}, allowed is 1…{MAX_RUNS}");
     Err(document.error(pointer, problem, remedy))
+}
+
+/// The lists at the top multiply: what cannot fit the matrix is refused before it is copied into every scene.
+fn check_lists(document: &Document) -> Result<()> {
+    let length = |key: &str| match document.value().get(key) {
+        Some(Value::Array(list)) => list.len().max(1),
+        _ => 1,
+    };
+    let keys = [
+        "scenes",
+        "sun_elevation_deg",
+        "view_steps",
+        "image",
+        "methods",
+    ];
+    let cells = keys
+        .iter()
+        .fold(1_usize, |n, key| n.saturating_mul(length(key)));
+    if cells <= MAX_CELLS {
+        return Ok(());
+    }
+    let lengths: Vec<String> = keys
+        .iter()
+        .map(|key| format!("{} {key}", length(key)))
+        .collect();
+    Err(document.error(
+        "",
+        format!("{} exceed {MAX_CELLS} cells", lengths.join(" × ")),
+        "Shorten the lists or split the experiment.",
+    ))
+}
+
+/// The scene files, which together may be no larger than one file may be.
+fn scenes(
+    document: &Document,
+    entries: &[(String, Value)],
+    shorthands: &[Axis],
+) -> Result<Vec<SceneEntry>> {
+    let mut bytes = 0;
+    let mut scenes = Vec::with_capacity(entries.len());
+    for (place, value) in entries {
+        let entry = scene(document, place, value, shorthands)?;
+        bytes += entry.document.text_bytes();
+        if bytes > MAX_FILE_BYTES {
+            let problem = format!(
+                "the scene files up to this one are larger than {} MiB together",
+                MAX_FILE_BYTES >> 20
+            );
+            return Err(document.error(place, problem, "Split the experiment."));
+        }
+        scenes.push(entry);
+    }
+    Ok(scenes)
 }
 
 fn flicker(document: &Document) -> Result<Vec<Track>> {

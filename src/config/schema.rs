@@ -43,7 +43,7 @@ fn experiment() -> Value {
         "type": "object",
         "description": "Which scenes, sizes, suns and method settings to measure; every list multiplies.",
         "properties": {
-            "name": {"type": "string", "minLength": 1, "maxLength": 200, "description": "Shown in reports."},
+            "name": {"type": "string", "minLength": 1, "maxLength": 200, "description": "Shown in reports; no control characters."},
             "image": described(one_or_many(json!({"$ref": "#/$defs/ImageSize"})), "Image size, pixels."),
             "runs": described(count(default_runs()), "Timed rounds that count."),
             "discard": described(count(default_discard()), "Rounds run before them and thrown away."),

@@ -165,6 +165,11 @@ fn preflight(path: &Path, reader: Source<'_>) -> Result<([u32; 3], u64)> {
             "the header has more than descr, fortran_order and shape",
         ));
     }
+    // `shape_in` finds the shape by its name: a name that can be hidden in another string, or spelt with escapes, would
+    // give the parser a second one.
+    if text.contains(['"', '\\']) || text.matches("'shape'").count() > 1 {
+        return Err(bad_header(path, "the shape is written in an unusual way"));
+    }
     rewind(reader).map_err(Error::reading(path))?;
     Ok((shape_in(path, &text)?, (8 + length_bytes + length) as u64))
 }

@@ -1,7 +1,7 @@
 //! Frames as OpenEXR files: lossless, and open to any other tool.
 
 use super::atomic::write_atomic;
-use super::{Frame, check_size, shown};
+use super::{Frame, check_backed, check_size, shown};
 use crate::error::{Error, Result};
 use exr::prelude::{
     Blocks, ChannelDescription, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder,
@@ -9,6 +9,13 @@ use exr::prelude::{
     WritableImage,
 };
 use std::path::Path;
+
+/// Bytes of memory that a pixel of a [`Frame`] takes.
+const FRAME_BYTES: u64 = 32;
+/// Bytes of pixels that any file may announce, however well it is compressed.
+const FREE_BYTES: u64 = 64 << 20;
+/// Bytes of pixels that a byte of a file may announce. ZIP reaches 1032, wavelets more on pictures of one colour.
+const BYTES_A_BYTE: u64 = 1 << 16;
 
 /// One pixel of our files: R, G, B, A, sun.R, sun.G, sun.B, sun.V.
 type Pixel = (f32, f32, f32, f32, f32, f32, f32, f32);
@@ -65,8 +72,24 @@ pub fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
 ///
 /// Takes the first layer that has these channels, its data window, and its largest resolution level. Without `A` the
 /// opacity is 1 everywhere; without `sun.R`, `sun.G`, `sun.B` the sun-lit radiance is the radiance and V is 0.
+///
+/// A panic of the decoder is an error about the file: damaged pixels can overflow its arithmetic in a build with overflow
+/// checks. That is why it decodes on the calling thread; on a thread of its own a panic would end the process.
 pub fn read_frame(path: &Path) -> Result<Frame> {
-    check_headers(path)?;
+    let read = || {
+        check_headers(path)?;
+        decode(path)
+    };
+    std::panic::catch_unwind(read).unwrap_or_else(|_| {
+        Err(Error::Image {
+            path: path.to_owned(),
+            message: "not a usable OpenEXR file: its decoder failed".to_owned(),
+        })
+    })
+}
+
+/// The pixels of a file whose headers are good.
+fn decode(path: &Path) -> Result<Frame> {
     exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -82,6 +105,7 @@ pub fn read_frame(path: &Path) -> Result<Frame> {
         .collect_pixels(create, set)
         .first_valid_layer()
         .all_attributes()
+        .non_parallel()
         .from_file(path)
         .map(|image| image.layer_data.channel_data.pixels.frame)
         .map_err(|e| failed(path, e, Error::reading))
@@ -136,16 +160,24 @@ fn set(loading: &mut Loading, at: Vec2<usize>, (r, g, b, a, sr, sg, sb, v): Pixe
 fn check_headers(path: &Path) -> Result<()> {
     let meta =
         MetaData::read_from_file(path, false).map_err(|e| failed(path, e, Error::reading))?;
+    let file_bytes = std::fs::metadata(path).map_err(Error::reading(path))?.len();
     let refuse = |message: String| Error::Image {
         path: path.to_owned(),
         message,
     };
     let mut usable = false;
     for header in &meta.headers {
-        check_size(
+        let pixels = check_size(
             &shown(path),
             header.layer_size.x() as u64,
             header.layer_size.y() as u64,
+        )? as u64;
+        let pixel_bytes = FRAME_BYTES.max(header.channels.bytes_per_pixel as u64);
+        check_backed(
+            &shown(path),
+            pixels.saturating_mul(pixel_bytes),
+            FREE_BYTES.max(file_bytes.saturating_mul(BYTES_A_BYTE)),
+            file_bytes,
         )?;
         let channels = &header.channels.list;
         usable |= ["R", "G", "B"]

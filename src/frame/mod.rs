@@ -82,6 +82,21 @@ fn check_size(place: &str, width: u64, height: u64) -> Result<usize> {
     })
 }
 
+/// Refuses a picture that needs more bytes than its file can account for: `most` is what `file_bytes` bytes can hold.
+fn check_backed(place: &str, needed: u64, most: u64, file_bytes: u64) -> Result<()> {
+    if needed <= most {
+        return Ok(());
+    }
+    let problem = format!(
+        "the header announces {needed} bytes of pixels, a file of {file_bytes} bytes holds at most {most}"
+    );
+    Err(Error::input(
+        place,
+        problem,
+        "The file is damaged or cut: copy or save it again.",
+    ))
+}
+
 /// A path as messages show it.
 fn shown(path: &Path) -> String {
     path.display().to_string()

@@ -1,7 +1,7 @@
 //! Pictures as PNG files: written for people, read for comparisons.
 
 use super::atomic::write_atomic;
-use super::{Frame, MAX_PIXELS, check_size, read_frame, shown};
+use super::{Frame, MAX_PIXELS, check_backed, check_size, read_frame, shown};
 use crate::error::{Error, Result};
 use image::codecs::png::{PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
@@ -132,6 +132,12 @@ pub fn read_image(path: &Path) -> Result<Frame> {
     }
 }
 
+/// Pixels that a byte of a PNG can hold: a bit each, and deflate, the only compression there is, expands 1032 times at
+/// most (<https://zlib.net/zlib_tech.html>).
+const PIXELS_A_BYTE: u64 = 8 * 1032;
+/// Most bytes of a decoded pixel: four channels of 16 bits.
+const PIXEL_BYTES: u64 = 8;
+
 /// Decodes a PNG whose size is checked first.
 fn read_png(path: &Path) -> Result<Frame> {
     let undecodable = |e: ImageError| match e {
@@ -144,11 +150,14 @@ fn read_png(path: &Path) -> Result<Frame> {
         },
     };
     let file = File::open(path).map_err(Error::reading(path))?;
+    let file_bytes = file.metadata().map_err(Error::reading(path))?.len();
+    let most = file_bytes.saturating_mul(PIXELS_A_BYTE).min(MAX_PIXELS) * PIXEL_BYTES;
     let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(8 * MAX_PIXELS);
+    limits.max_alloc = Some(most);
     let decoder = PngDecoder::with_limits(BufReader::new(file), limits).map_err(undecodable)?;
     let (width, height) = decoder.dimensions();
-    check_size(&shown(path), width.into(), height.into())?;
+    let pixels = check_size(&shown(path), width.into(), height.into())? as u64;
+    check_backed(&shown(path), pixels * PIXEL_BYTES, most, file_bytes)?;
     // 8-bit values widen by 257, so v/65535 is the same number as v/255.
     let pixels = DynamicImage::from_decoder(decoder)
         .map_err(undecodable)?

@@ -10,6 +10,7 @@ use crate::frame::atomic::write_atomic;
 use crate::frame::{Frame, read_frame, write_frame};
 use crate::gpu::sources_hash;
 use crate::occlusion::MethodSetup;
+use crate::scene::ImageSize;
 use serde::{Deserialize, Serialize};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -68,9 +69,9 @@ struct Sheet {
     checksum: String,
 }
 
-/// The folder for truths: `OCCLAB_CACHE`, or the user's cache folder.
+/// The folder for truths: `OCCLAB_CACHE` unless it is empty, or the user's cache folder.
 pub fn cache_folder() -> Option<PathBuf> {
-    if let Some(folder) = std::env::var_os("OCCLAB_CACHE") {
+    if let Some(folder) = std::env::var_os("OCCLAB_CACHE").filter(|folder| !folder.is_empty()) {
         return Some(folder.into());
     }
     directories::ProjectDirs::from("", "", "occlab").map(|dirs| dirs.cache_dir().join("truth"))
@@ -87,7 +88,7 @@ pub fn truth(
     let id = truth_id(renderer, view);
     let mut note = None;
     if let Some(folder) = cache {
-        match read(folder, &id, view) {
+        match read(folder, &id, view.image) {
             Ok(Some((frame, cost))) if cost.samples.is_some() || counting == Counting::Off => {
                 return Ok(Truth {
                     id,
@@ -171,7 +172,7 @@ fn paths(folder: &Path, id: &str) -> (PathBuf, PathBuf) {
 }
 
 /// A whole entry; `None` when there is none (a picture without its sheet is one that was being written).
-fn read(folder: &Path, id: &str, view: &View) -> Result<Option<(Frame, TruthCost)>> {
+fn read(folder: &Path, id: &str, image: ImageSize) -> Result<Option<(Frame, TruthCost)>> {
     let (picture, sheet) = paths(folder, id);
     let text = match std::fs::read(&sheet) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -192,7 +193,7 @@ fn read(folder: &Path, id: &str, view: &View) -> Result<Option<(Frame, TruthCost
         ));
     }
     let frame = read_frame(&picture)?;
-    if (frame.width, frame.height) != (view.image.width, view.image.height) {
+    if (frame.width, frame.height) != (image.width, image.height) {
         return Err(unusable(&picture, "it has another size"));
     }
     Ok(Some((frame, cost)))
@@ -220,4 +221,102 @@ fn checksum(picture: &[u8], cost: &TruthCost) -> String {
     hasher.update(picture);
     hasher.update(format!("{cost:?}").as_bytes());
     hasher.finalize().to_hex().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damage::{Edit, cases, changed, changes, damaged, edits};
+    use proptest::prelude::*;
+    use std::sync::LazyLock;
+
+    const IMAGE: ImageSize = ImageSize {
+        width: 3,
+        height: 2,
+    };
+
+    fn entry(folder: &Path, image: ImageSize) -> (Frame, TruthCost) {
+        let pixels = image.width * image.height;
+        let plane = |k: f32| (0..pixels).map(|i| [k * i as f32; 4]).collect();
+        let frame = Frame {
+            width: image.width,
+            height: image.height,
+            radiance: plane(0.5),
+            sun: plane(0.25),
+        };
+        let cost = TruthCost {
+            march_ms: Some(1.5),
+            wall_ms: 2.5,
+            samples: Some(Samples::default()),
+        };
+        write(folder, "t", &frame, &cost).expect("entry");
+        (frame, cost)
+    }
+
+    /// A truth, its picture's file and its sheet.
+    type Whole = ((Frame, TruthCost), Vec<u8>, Vec<u8>);
+
+    /// Made once, because each file is synchronised with the disk.
+    static WHOLE: LazyLock<Whole> = LazyLock::new(|| {
+        let folder = tempfile::tempdir().expect("folder");
+        let written = entry(folder.path(), IMAGE);
+        let (picture, sheet) = paths(folder.path(), "t");
+        let bytes = |path| std::fs::read(path).expect("file");
+        (written, bytes(picture), bytes(sheet))
+    });
+
+    /// An entry is the truth that was written, or nothing, or an error: never another truth.
+    fn holds(picture_edits: &[Edit], sheet: impl Fn(&[u8]) -> Vec<u8>) {
+        let (written, whole_picture, whole_sheet) = &*WHOLE;
+        let folder = tempfile::tempdir().expect("folder");
+        let (picture_path, sheet_path) = paths(folder.path(), "t");
+        let picture = damaged(whole_picture, picture_edits, usize::MAX);
+        std::fs::write(&picture_path, picture).expect("written");
+        std::fs::write(&sheet_path, sheet(whole_sheet)).expect("written");
+        match read(folder.path(), "t", IMAGE) {
+            Ok(found) => assert_eq!(found.as_ref(), Some(written)),
+            Err(error) => assert!(!error.to_string().chars().any(char::is_control), "{error}"),
+        }
+    }
+
+    proptest! {
+        #![proptest_config(cases())]
+
+        #[test]
+        fn a_damaged_entry_is_never_another_truth(
+            picture in edits(), sheet in edits(), both in any::<bool>(), which in any::<bool>(),
+        ) {
+            let (picture, sheet) = match (both, which) {
+                (true, _) => (picture, sheet),
+                (false, true) => (picture, Vec::new()),
+                (false, false) => (Vec::new(), sheet),
+            };
+            holds(&picture, |bytes| damaged(bytes, &sheet, usize::MAX));
+        }
+
+        #[test]
+        fn a_changed_sheet_is_never_another_truth(changes in changes()) {
+            holds(&[], |bytes| {
+                let value = serde_json::from_slice(bytes).expect("sheet");
+                changed(value, &changes).to_string().into_bytes()
+            });
+        }
+    }
+
+    #[test]
+    fn an_entry_of_another_size_is_refused_and_an_absent_one_is_none() {
+        let folder = tempfile::tempdir().expect("folder");
+        assert_eq!(read(folder.path(), "t", IMAGE).expect("nothing"), None);
+        let other = ImageSize {
+            width: 2,
+            height: 3,
+        };
+        let written = entry(folder.path(), other);
+        let error = read(folder.path(), "t", IMAGE).expect_err("another size");
+        assert!(error.to_string().contains("another size"));
+        assert_eq!(
+            read(folder.path(), "t", other).expect("whole"),
+            Some(written)
+        );
+    }
 }

@@ -34,7 +34,8 @@ impl View {
         density: Rc<DensityField>,
         mut inputs: Inputs,
     ) -> Result<Self> {
-        let bytes = u64::from(image.width) * u64::from(image.height) * PIXEL_BYTES;
+        let pixels = u64::from(image.width) * u64::from(image.height);
+        let bytes = pixels.saturating_mul(PIXEL_BYTES);
         let limit = gpu.device.limits().max_storage_buffer_binding_size;
         if bytes == 0 || bytes > limit {
             return Err(Error::input(

@@ -1,9 +1,17 @@
 //! The density field as a scene describes it.
 
-use super::{Container, Problem, check, check_all};
+use super::{Container, MAX_MAGNITUDE, Problem, check, check_all};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+
+/// Longest path of a volume's file, bytes: what Linux opens.
+const MAX_PATH_BYTES: usize = 4096;
+/// Most shape tiles that the decks of a procedural field span in height: a grid of its empty space has 64 cells a tile,
+/// and a 3D texture 2048 an axis.
+const MAX_TILES_HIGH: f64 = 31.0;
+/// Most shape tiles in the whole field, weather tile squared times the decks' height: 64³ cells each, 512 MiB in all.
+const MAX_TILES: f64 = 2048.0;
 
 /// Where the dimensionless density in `[0, ∞)` comes from; extinction = density × `medium.extinction_per_m`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -78,9 +86,9 @@ pub struct Volume {
 impl Density {
     pub(super) fn validate(&self, container: &Container) -> Result<(), Problem> {
         match self {
-            Self::Uniform { value } => {
-                check("/density/uniform/value", *value, "0 or more", |v| v >= 0.0)
-            }
+            Self::Uniform { value } => check("/density/uniform/value", *value, "0…1e12", |v| {
+                (0.0..=MAX_MAGNITUDE).contains(&v)
+            }),
             Self::Procedural(p) => p.validate(container),
             Self::Volume(v) => {
                 check(
@@ -89,6 +97,12 @@ impl Density {
                     "0, 1 or 2",
                     |a| a <= 2.0,
                 )?;
+                let bytes = v.path.as_os_str().len();
+                if bytes > MAX_PATH_BYTES {
+                    let message =
+                        format!("the path has {bytes} bytes, at most {MAX_PATH_BYTES} are opened");
+                    return Err(Problem::new("/density/volume/path", message));
+                }
                 match container {
                     Container::Box { .. } => Ok(()),
                     Container::Shell { .. } => Err(Problem::new(
@@ -155,6 +169,29 @@ impl Procedural {
                 (0.0..=1.0).contains(&v)
             })?;
         }
-        Ok(())
+        self.validate_extent()
+    }
+
+    /// The grid of provably empty space covers weather tile × weather tile × decks: it must fit memory and a texture.
+    fn validate_extent(&self) -> Result<(), Problem> {
+        let low_m = self
+            .decks
+            .iter()
+            .fold(f64::INFINITY, |m, d| m.min(d.base_m));
+        let high_m = self.decks.iter().fold(0.0, |m: f64, d| m.max(d.top_m));
+        let high = (high_m - low_m) / self.shape_tile_m;
+        check(
+            "/density/procedural/shape_tile_m",
+            high,
+            "decks that span at most 31 shape tiles in height",
+            |v| v <= MAX_TILES_HIGH,
+        )?;
+        let tiles = (self.weather_tile_m / self.shape_tile_m).powi(2) * high;
+        check(
+            "/density/procedural/shape_tile_m",
+            tiles,
+            "at most 2048 shape tiles in weather_tile_m² × the height that the decks span",
+            |v| v <= MAX_TILES,
+        )
     }
 }

@@ -1,6 +1,6 @@
 //! Medium, sun, sky and ambient as a scene describes them.
 
-use super::{Problem, check, check_all};
+use super::{MAX_MAGNITUDE, Problem, check, check_all};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -156,7 +156,9 @@ impl Sun {
             |v| v.abs() <= 360.0,
         )?;
         match &self.irradiance {
-            Some(rgb) => check_all("/sun/irradiance", rgb, "0 or more", |v| v >= 0.0),
+            Some(rgb) => check_all("/sun/irradiance", rgb, "0…1e12", |v| {
+                (0.0..=MAX_MAGNITUDE).contains(&v)
+            }),
             None if has_sky => Ok(()),
             None => Err(Problem::new(
                 "/sun/irradiance",
@@ -201,8 +203,8 @@ impl Ambient {
     pub(super) fn validate(&self, has_sky: bool) -> Result<(), Problem> {
         match self {
             Self::Uniform { radiance } => {
-                check_all("/ambient/uniform/radiance", radiance, "0 or more", |v| {
-                    v >= 0.0
+                check_all("/ambient/uniform/radiance", radiance, "0…1e12", |v| {
+                    (0.0..=MAX_MAGNITUDE).contains(&v)
                 })
             }
             Self::Sky { .. } if !has_sky => Err(Problem::new(

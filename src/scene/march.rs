@@ -1,6 +1,6 @@
 //! How view rays are sampled: the same for every method and for the truth.
 
-use super::{Problem, check};
+use super::{MAX_MAGNITUDE, Problem, check};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -72,7 +72,9 @@ impl March {
             v >= 1.0 && v <= f64::from(Self::MAX_STEPS)
         })?;
         self.step_m.map_or(Ok(()), |v| {
-            check("/march/step_m", v, "above 0 m", |v| v > 0.0)
+            check("/march/step_m", v, "1e-9…1e12 m", |v| {
+                (1e-9..=MAX_MAGNITUDE).contains(&v)
+            })
         })
     }
 }

@@ -29,7 +29,7 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// Shown in reports.
+    /// Shown in reports: 1 to 200 characters, none of them a control character.
     pub name: String,
     /// The region that may hold medium; everything outside is vacuum.
     pub container: Container,
@@ -55,12 +55,7 @@ pub struct Scene {
 impl Scene {
     /// Checks everything that types cannot: ranges, order, finiteness. The error's place is a JSON pointer.
     pub fn validate(&self) -> Result<(), Problem> {
-        if self.name.is_empty() || self.name.chars().count() > 200 {
-            return Err(Problem::new(
-                "/name",
-                "the name must have 1 to 200 characters",
-            ));
-        }
+        check_name(&self.name).map_err(|message| Problem::new("/name", message))?;
         self.container.validate()?;
         self.density.validate(&self.container)?;
         self.medium.validate()?;
@@ -126,6 +121,21 @@ impl Problem {
         )
     }
 }
+
+/// Names stand in tables, pages, charts and on terminals: they are short and on one line.
+pub(crate) fn check_name(name: &str) -> Result<(), String> {
+    if name.is_empty() || name.chars().count() > 200 {
+        return Err("the name must have 1 to 200 characters".to_owned());
+    }
+    match name.chars().find(|c| c.is_control()) {
+        Some(c) => Err(format!("the name contains the control character {:?}", c)),
+        None => Ok(()),
+    }
+}
+
+/// Largest magnitude of a radiance, a density or a distance that is still a number on the device, whose floats end at
+/// 3.4e38, when a few of them are multiplied.
+pub(crate) const MAX_MAGNITUDE: f64 = 1e12;
 
 /// `value` must be finite and satisfy `ok`.
 pub(crate) fn check(
