@@ -5,11 +5,13 @@
 //! (JSON)   (metres)  (field)   (strategy)   (linear HDR)         (numbers)  (records) (charts, page)
 //! ```
 //!
-//! [`oracle`] renders the same scenes and methods in f64 on the CPU: the independent check.
+//! [`oracle`] renders the same scenes and methods in f64 on the CPU: the independent check. [`backend`] is the door to
+//! both: a device, or the oracle where there is none.
 //!
 //! Dependencies point right to left only. World axes: y up, right-handed, origin on the ground under the scene's
 //! centre. Units: metres, m⁻¹, degrees in files and radians in code, linear radiance with sRGB primaries.
 
+pub mod backend;
 pub mod batch;
 pub mod config;
 pub mod density;

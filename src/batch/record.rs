@@ -59,6 +59,9 @@ pub struct Reference {
     pub image: ImageSize,
     /// Device time to render it, ms; `null` when it came from the cache of an adapter without timestamps.
     pub march_ms: Option<f64>,
+    /// Time to render it, seen from the CPU, ms: the only one where no adapter was used.
+    #[serde(default)]
+    pub wall_ms: Option<f64>,
     /// Density samples taken by its light marches.
     pub light_samples: Option<u64>,
     /// Density samples taken by its view marches.
@@ -136,7 +139,8 @@ pub struct Measured {
     pub memory: Memory,
     /// Milliseconds over the repeats.
     pub time_ms: Times,
-    /// Total time of each round, ms, in round order: ratios between methods are taken inside a round.
+    /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. Empty without
+    /// timestamps.
     pub rounds_total_ms: Vec<f64>,
     /// Density samples, from an untimed counting pipeline.
     pub samples: Samples,
@@ -163,7 +167,48 @@ pub struct Times {
     pub wall: Option<Stats>,
 }
 
+/// Which time of a cell stands for its cost in a report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// The sum of the device's passes.
+    Device,
+    /// Submission to completion, seen from the CPU.
+    Wall,
+}
+
+impl Clock {
+    /// The cost of a cell, ms; `None` where this clock has no time of it.
+    pub fn cost(self, times: &Times) -> Option<Stats> {
+        match self {
+            Self::Device => times.total,
+            Self::Wall => times.wall,
+        }
+    }
+
+    /// `total` or `wall`, as in [`Times`].
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Device => "total",
+            Self::Wall => "wall",
+        }
+    }
+}
+
 impl Report {
+    /// The device's clock where any cell has its time: both are never mixed. Without timestamps the wall clock, which
+    /// also counts submission and read-back.
+    pub fn clock(&self) -> Clock {
+        let timed = |cell: &Cell| {
+            let result = cell.result.as_ref();
+            result.is_some_and(|result| result.time_ms.total.is_some())
+        };
+        if self.cells.iter().any(timed) {
+            Clock::Device
+        } else {
+            Clock::Wall
+        }
+    }
+
     /// Reads `report.json` of a folder.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(Error::reading(path))?;

@@ -7,6 +7,7 @@ mod progress;
 mod render;
 
 use clap::{Parser, Subcommand};
+use occlab::backend::{Backend, Choice};
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -39,15 +40,55 @@ enum Command {
     Schema,
 }
 
-/// Options of commands that open an adapter.
+/// Options of commands that render.
 #[derive(clap::Args)]
 struct Device {
     /// Part of the adapter's name; default: the fastest kind. `occlab adapters` lists them.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+    /// What renders: a device, or the f64 oracle on the CPU; auto takes the oracle where there is no adapter.
+    #[arg(long, value_enum, default_value_t)]
+    backend: BackendName,
     /// No progress on stderr.
     #[arg(long, short)]
     quiet: bool,
+}
+
+/// [`Choice`] on the command line.
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum BackendName {
+    #[default]
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+impl Device {
+    /// Opens what the options ask for. One line on stderr says what renders; that it is not a device is said even when
+    /// quiet and not asked for.
+    fn open(&self) -> occlab::Result<Backend> {
+        let choice = match self.backend {
+            BackendName::Auto => Choice::Auto,
+            BackendName::Gpu => Choice::Gpu,
+            BackendName::Cpu => Choice::Cpu,
+        };
+        let backend = Backend::open(choice, self.adapter.as_deref())?;
+        let environment = backend.environment();
+        if !backend.is_oracle() {
+            if !self.quiet {
+                let (name, kind) = (environment.adapter, environment.device_type);
+                eprintln!("adapter: {name} ({kind})");
+            }
+        } else if choice == Choice::Auto {
+            eprintln!(
+                "no adapter: the {} renders instead, {}; `--backend gpu` says what to install",
+                environment.adapter, environment.driver
+            );
+        } else if !self.quiet {
+            eprintln!("backend: {}, {}", environment.adapter, environment.driver);
+        }
+        Ok(backend)
+    }
 }
 
 /// Runs a command. Exit codes: 0 done, 1 done but some cells failed, 2 an error.

@@ -5,9 +5,7 @@ use super::{Device, print_path};
 use occlab::Error;
 use occlab::config::load_scene;
 use occlab::frame::{Exposure, tone_map, write_frame, write_png};
-use occlab::gpu::Gpu;
 use occlab::occlusion::MethodSetup;
-use occlab::raymarch::Renderer;
 use occlab::scene::ImageSize;
 use occlab::scene::{Density, Scene};
 use std::ops::ControlFlow;
@@ -73,13 +71,13 @@ impl Render {
             )
             .into());
         }
-        let renderer = Renderer::new(Gpu::new(self.device.adapter.as_deref())?);
+        let backend = self.device.open()?;
         let progress = bar(1000, self.device.quiet);
         let image = ImageSize {
             width: self.width,
             height: self.height,
         };
-        let (frame, times) = renderer.render(&scene, image, &setup, &mut |share| {
+        let (frame, times) = backend.render(&scene, image, &setup, &mut |share| {
             progress.set_position((share * 1000.0) as u64);
             ControlFlow::Continue(())
         })?;
@@ -100,7 +98,7 @@ impl Render {
             });
             eprintln!(
                 "{}: {generate}march {}, wall {:.1} ms",
-                renderer.gpu.info.name,
+                backend.environment().adapter,
                 ms(times.march),
                 times.wall
             );

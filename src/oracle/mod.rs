@@ -23,10 +23,12 @@ mod map;
 mod march;
 mod noise;
 mod procedural;
+mod reference;
 mod texture;
 mod way;
 
 pub use light::{Occlusion, Options};
+pub use reference::truth;
 pub use texture::Filter;
 
 use crate::error::{Error, Result};

@@ -136,6 +136,7 @@ fn references() -> Vec<Reference> {
                 sun_elevation_deg: *sun,
                 image: IMAGE,
                 march_ms: (s == 0 || l == 0).then_some(28_134.5 * (1.0 + 0.2 * s as f64)),
+                wall_ms: (s == 0 || l == 0).then_some(28_140.0 * (1.0 + 0.2 * s as f64)),
                 light_samples: Some(3_812_345_678),
                 view_samples: Some(12_345_678),
                 cached: l == 1,
