@@ -111,6 +111,14 @@ impl<'a> Occlusion<'a> {
         depths_m.iter().map(at).collect()
     }
 
+    /// What texel `(u, v)` of the method's map holds, rounded as [`Options`] say; `None` without a map.
+    pub fn texel(&self, at: [u32; 2]) -> Option<Vec<f64>> {
+        match &self.kind {
+            Kind::March(_) => None,
+            Kind::Map(map) => Some(map.stored(at)),
+        }
+    }
+
     /// Density samples of the texels marched so far.
     pub(super) fn map_samples(&self) -> u64 {
         match &self.kind {

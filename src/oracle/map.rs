@@ -190,6 +190,13 @@ impl LightMap {
         self.shards.iter().map(shard).sum()
     }
 
+    /// Values of a texel, clamped to the map's edge.
+    pub fn stored(&self, at: [u32; 2]) -> Vec<f64> {
+        self.texel(at.map(|i| i.min(self.resolution - 1)))
+            .values
+            .to_vec()
+    }
+
     fn texel(&self, at: [u32; 2]) -> Arc<Texel> {
         let key = u64::from(at[1]) * u64::from(self.resolution) + u64::from(at[0]);
         let shard = &self.shards[key as usize % SHARDS];

@@ -19,9 +19,10 @@ const MAP_USAGE: wgpu::TextureUsages = wgpu::TextureUsages::STORAGE_BINDING
 pub(super) struct MapPass {
     pub kernel: Rc<Kernel>,
     pub groups: Vec<wgpu::BindGroup>,
-    pub resolution: u32,
     pub counts: Option<wgpu::Buffer>,
+    pub texture: MapTexture,
 }
+
 impl MapPass {
     pub fn new(
         renderer: &Renderer,
@@ -29,7 +30,7 @@ impl MapPass {
         shader: &str,
         defs: &Defs,
         inputs: &Inputs,
-        map: &MapTexture,
+        texture: MapTexture,
         counting: bool,
     ) -> Result<Self> {
         let gpu = &renderer.gpu;
@@ -39,21 +40,24 @@ impl MapPass {
             defs: defs.clone(),
         })?;
         let mut inputs = inputs.clone();
-        let counts = counting.then(|| counts_buffer(gpu, [map.resolution; 2]));
+        let counts = counting.then(|| counts_buffer(gpu, [texture.resolution; 2]));
         offer_counts(&mut inputs, counts.as_ref());
         let groups = kernel.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
         Ok(Self {
             kernel,
             groups,
-            resolution: map.resolution,
             counts,
+            texture,
         })
     }
 }
 
 /// The map as allocated.
 pub(super) struct MapTexture {
+    pub texture: wgpu::Texture,
+    pub format: TexelFormat,
     pub resolution: u32,
+    pub values_a_texel: u32,
     pub memory: Memory,
 }
 
@@ -101,7 +105,13 @@ impl MapTexture {
             rectangle.uniform(resolution, setup.params.int("steps")?),
         );
         let memory = format.memory(values, storage, resolution);
-        Ok(Self { resolution, memory })
+        Ok(Self {
+            texture,
+            format,
+            resolution,
+            values_a_texel: values,
+            memory,
+        })
     }
 }
 

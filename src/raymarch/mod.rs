@@ -4,12 +4,14 @@ mod cost;
 mod inputs;
 pub(crate) mod light_map;
 mod map_pass;
+mod map_texels;
 mod prepared;
 pub mod reference;
 mod view;
 
 pub use cost::{Counts, Memory, PassTimes, Samples};
 pub use light_map::planned_memory;
+pub use map_texels::MapTexels;
 pub use prepared::Prepared;
 pub use view::View;
 

@@ -2,6 +2,7 @@
 
 use super::cost::{Counts, Memory, PassTimes, Samples};
 use super::map_pass::{MapPass, MapTexture, counts_buffer, offer_counts};
+use super::map_texels::MapTexels;
 use super::{Progress, Renderer, View};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, Inputs, Kernel, Program, Resource, Timer, UniformValue, read_buffer};
@@ -64,7 +65,7 @@ impl Prepared {
                     info.shader,
                     &defs,
                     &inputs,
-                    &map,
+                    map,
                     counting,
                 )?)
             }
@@ -113,7 +114,7 @@ impl Prepared {
                 gpu,
                 &map.kernel,
                 &map.groups,
-                [map.resolution, map.resolution, 1],
+                [map.texture.resolution, map.texture.resolution, 1],
             )?;
         }
         let [width, height] = self.image;
@@ -172,6 +173,12 @@ impl Prepared {
             Some(timer) => timer.elapsed_ms(gpu).map(Some),
             None => gpu.wait().map(|()| None),
         }
+    }
+
+    /// The light map of the last run; `None` for a method without one.
+    pub fn map_texels(&self, gpu: &Gpu) -> Result<Option<MapTexels>> {
+        let read = |map: &MapPass| MapTexels::read(gpu, &map.texture);
+        self.map.as_ref().map(read).transpose()
     }
 
     /// Counters of the last run; zero unless prepared for counting.

@@ -19,6 +19,7 @@ use std::sync::{Mutex, OnceLock};
 type Job = Box<dyn FnOnce(&Renderer) + Send>;
 
 /// Ends a test that needs an adapter where there is none; see [`no_adapter`].
+#[allow(unused_macros, reason = "each test binary uses its own part")]
 macro_rules! needs_adapter {
     () => {
         if common::no_adapter() {
@@ -36,7 +37,10 @@ pub fn no_adapter() -> bool {
         let thread = std::thread::current();
         let name = thread.name().unwrap_or("a test").to_owned();
         let required = std::env::var_os("OCCLAB_REQUIRE_GPU").is_some_and(|v| v == "1");
-        assert!(!required, "OCCLAB_REQUIRE_GPU is set and there is no adapter");
+        assert!(
+            !required,
+            "OCCLAB_REQUIRE_GPU is set and there is no adapter"
+        );
         // Not println!, which the test harness keeps to itself when a test passes.
         let _ = writeln!(std::io::stderr(), "skipped: no adapter: {name}");
     }
