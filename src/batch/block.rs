@@ -5,7 +5,8 @@
 //! read in the first discarded round, counted, compared and written after the last.
 
 use super::cell::{bare_cell, cell_id, record_failure, setup, times, view_id};
-use super::pictures::{write_compared, write_picture};
+use super::decompose::{Decomposer, Parts};
+use super::pictures::{write_compared, write_parts, write_picture};
 use super::record::{Cell, Measured, Reference};
 use super::{Event, Observer, Task, flicker, stage, tell};
 use crate::backend::{Prepared, View};
@@ -40,6 +41,8 @@ struct Bench<'a> {
     truth: Truth,
     /// `rel_rmse` of the uncompressed column by the map parameters it shares with a cell.
     floors: HashMap<String, f64>,
+    /// Made for the first cell that is decomposed.
+    decomposer: Option<Decomposer>,
     passes_s: f64,
 }
 
@@ -116,6 +119,7 @@ impl<'a> Bench<'a> {
             passes_s: scene_s + truth.passes_s,
             truth,
             floors: HashMap::new(),
+            decomposer: None,
         };
         bench.record_reference(observe)?;
         Ok(bench)
@@ -247,6 +251,20 @@ impl<'a> Bench<'a> {
             floor_rel_rmse: self.floor(&run.setup)?,
             ..comparison.error
         };
+        let mut files = write_compared(self.task.store, &id, &self.truth.frame, &frame)?;
+        let mut notes = Vec::new();
+        let decomposition = match self.decompose(&run.setup, &frame) {
+            Ok(None) => None,
+            Ok(Some((record, parts))) => {
+                write_parts(self.task.store, &id, &self.truth.frame, &parts, &mut files)?;
+                Some(record)
+            }
+            Err(error) if error.concerns_one_cell() => {
+                notes.push(format!("decomposition: {error}"));
+                None
+            }
+            Err(error) => return Err(error),
+        };
         let result = Measured {
             reference: view_id(self.matrix),
             cloud_pixel_fraction: comparison.cloud_pixel_fraction,
@@ -256,13 +274,32 @@ impl<'a> Bench<'a> {
             rounds_total_ms: run.times.iter().filter_map(PassTimes::total).collect(),
             samples: counts.samples,
             error,
-            notes: Vec::new(),
-            files: write_compared(self.task.store, &id, &self.truth.frame, &frame)?,
+            decomposition,
+            notes,
+            files,
         };
         Ok(Cell {
             result: Some(result),
             ..bare_cell(self.task, self.matrix, run.spec)
         })
+    }
+
+    /// The parts of a cell's error with their images; `None` where the experiment asks for none.
+    fn decompose(&mut self, setup: &MethodSetup, frame: &Frame) -> Result<Option<Parts>> {
+        if !self.task.experiment.decompose {
+            return Ok(None);
+        }
+        let truth = &self.truth.frame;
+        let decomposer = match &mut self.decomposer {
+            Some(made) => made,
+            none => none.insert(Decomposer::new(
+                &self.matrix.scene,
+                self.matrix.image,
+                truth,
+                self.task.cache,
+            )?),
+        };
+        decomposer.measure(setup, truth, frame).map(Some)
     }
 
     /// The same cell with nothing compressed, or `None` for a method without a map.

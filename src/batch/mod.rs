@@ -3,6 +3,7 @@
 
 mod block;
 mod cell;
+mod decompose;
 mod flicker;
 mod pictures;
 pub mod record;

@@ -146,11 +146,38 @@ pub struct Measured {
     pub samples: Samples,
     /// Against the truth.
     pub error: ErrorNumbers,
+    /// The error's three parts, where the experiment asks for them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decomposition: Option<Decomposition>,
     /// Numbers that were asked for and could not be had, and why; such a number is `null` and is not tried again.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Files relative to the report folder: `exr`, `png`, `diff_png`.
+    /// Files relative to the report folder: `exr`, `png`, `diff_png`; with a decomposition `model_png`, `sampling_png`,
+    /// `precision_png`, all differences at the scale `diff_scale`.
     pub files: Map<String, Value>,
+}
+
+/// The parts of a cell's error, each the RMS of a signed image over the truth's own RMS, ≥ 0. The images add up to the
+/// cell's difference from the truth, but for the truths' own difference; these numbers do not add.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Decomposition {
+    /// The method in f64 with ample steps and texels, minus the f64 truth.
+    pub model_rel_rmse: f64,
+    /// The method in f64 at the cell's steps and texels, minus the same with ample ones.
+    pub sampling_rel_rmse: f64,
+    /// The cell's picture minus the f64 one at the same settings: stored values, f32 arithmetic, and what is left of the
+    /// device's filtering of noise.
+    pub precision_rel_rmse: f64,
+    /// The f64 truth minus the truth that the cell was compared with.
+    pub truth_rel_rmse: f64,
+    /// Steps that count as ample; `null` for a method without.
+    pub ample_steps: Option<u32>,
+    /// Texels along an edge that count as ample; `null` without a map.
+    pub ample_resolution: Option<u32>,
+    /// How the f64 pictures filter noise textures: `exact`, or `8 bit` as some devices do, whichever truth is nearer;
+    /// `null` without noise.
+    pub noise_filter: Option<String>,
 }
 
 /// Statistics of each pass over the repeats; `null` where the adapter has no timestamps ("n/a", never 0).

@@ -1,6 +1,6 @@
 //! The oracle's truth of a view, kept on disk beside those of devices under a name of its own.
 
-use super::{Filter, Options, Oracle};
+use super::{Options, Oracle};
 use crate::error::Result;
 use crate::gpu::program;
 use crate::raymarch::Progress;
@@ -54,10 +54,7 @@ fn id(oracle: &Oracle) -> String {
         "step_m": oracle.scene.truth_step_m(),
         "image": oracle.image,
         "volume": oracle.field.content_hash(),
-        "filter": match oracle.field.filter() {
-            Filter::Exact => "exact",
-            Filter::EightBit => "8 bit",
-        },
+        "filter": oracle.field.filter().name(),
         "sources": sources.finalize().to_string(),
         "adapter": "oracle (f64, CPU)",
         "version": program(),

@@ -204,6 +204,7 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
                 map: values * 1000,
             },
             error: errors(rel_rmse, *values > 0),
+            decomposition: None,
             notes: Vec::new(),
             files: map(json!({
                 "png": format!("images/cell-{index}.png"), "diff_png": format!("images/cell-{index}-diff.png"),
