@@ -21,6 +21,7 @@ pub mod gpu;
 pub mod metrics;
 pub mod occlusion;
 pub mod oracle;
+pub mod probe;
 pub mod raymarch;
 pub mod report;
 pub mod scene;

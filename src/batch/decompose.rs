@@ -4,8 +4,9 @@
 //!
 //! - model = method with ample steps and texels − truth: what its encoding cannot say;
 //! - sampling = method at the cell's own steps and texels − the same with ample ones;
-//! - precision = the cell's picture − the oracle's at the same settings: number formats, and of a procedural field what
-//!   the device's filtering of noise does beyond what the oracle emulates;
+//! - precision = the cell's picture − the oracle's at the same settings: stored values (told apart by a picture of the
+//!   oracle that rounds nothing else), f32 arithmetic, and of a procedural field what the device's noise and its
+//!   filtering do beyond what the oracle emulates;
 //! - truth difference = the oracle's truth − the backend's truth, which no method can help.
 
 use super::record::Decomposition;
@@ -93,6 +94,7 @@ impl Decomposer {
         picture: &Frame,
     ) -> Result<Parts> {
         let exact = self.oracle.render(setup, Options::default())?;
+        let stored = self.oracle.render(setup, Options::stored(setup))?;
         let finer = ample(setup)?;
         let key = format!("{} {:?}", finer.method.info().id, finer.params);
         let ample = match self.ample.entry(key) {
@@ -105,6 +107,7 @@ impl Decomposer {
             model_rel_rmse: rmse(&self.truth, ample)?,
             sampling_rel_rmse: rmse(ample, &exact)?,
             precision_rel_rmse: rmse(&exact, picture)?,
+            storage_rel_rmse: rmse(&exact, &stored)?,
             truth_rel_rmse: rmse(backend_truth, &self.truth)?,
             ample_steps: finer.params.int("steps").ok(),
             ample_resolution: finer.params.int("resolution").ok(),
@@ -136,5 +139,96 @@ fn ample(setup: &MethodSetup) -> Result<MethodSetup> {
 fn raise(setup: &mut MethodSetup, name: &'static str, to: fn(u32) -> u32) {
     if let Ok(own) = setup.params.int(name) {
         setup.params.set(name, ParamValue::Int(to(own).into()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::delta_luminance;
+    use serde_json::json;
+
+    fn scene() -> Scene {
+        serde_json::from_value(json!({
+            "name": "slab",
+            "container": {"box": {"min_m": [0, 0, 0], "max_m": [1000, 1000, 1000]}},
+            "density": {"uniform": {"value": 1}},
+            "medium": {"extinction_per_m": 0.005},
+            "sun": {"elevation_deg": 40, "azimuth_deg": 30, "irradiance": [1, 1, 1]},
+            "camera": {"position_m": [500, 500, -2500], "target_m": [500, 500, 500], "fov_y_deg": 30}
+        }))
+        .unwrap()
+    }
+
+    /// A picture as a device may make it: a little off.
+    fn off(frame: &Frame, by: f32) -> Frame {
+        let mut frame = frame.clone();
+        for (i, pixel) in frame.sun.iter_mut().enumerate() {
+            pixel[i % 3] *= 1.0 + by * ((i * 7 % 5) as f32 - 2.0);
+        }
+        frame
+    }
+
+    #[test]
+    fn the_parts_add_up_to_the_difference_but_for_that_of_the_truths() {
+        let image = ImageSize {
+            width: 24,
+            height: 16,
+        };
+        let oracle = Oracle::new(&scene(), image).unwrap();
+        let exact_truth = oracle
+            .render(&oracle.truth().unwrap(), Options::default())
+            .unwrap();
+        let truth = off(&exact_truth, 1e-4);
+        let mut decomposer = Decomposer::new(&scene(), image, &truth, None).unwrap();
+        for (id, params) in [
+            ("srm", [("steps", "6"), ("sampling", "end")]),
+            ("esm", [("steps", "20"), ("resolution", "16")]),
+            ("fom", [("steps", "20"), ("resolution", "16")]),
+        ] {
+            let mut setup = MethodSetup::defaults(id).unwrap();
+            for (name, value) in params {
+                setup = setup.with(name, value).unwrap();
+            }
+            let picture = oracle.render(&setup, Options::stored(&setup)).unwrap();
+            let picture = off(&picture, 1e-3);
+            let (record, parts) = decomposer.measure(&setup, &truth, &picture).unwrap();
+            let whole = delta_luminance(&truth, &picture).unwrap();
+            let truths = difference(&truth, &truth, &exact_truth).unwrap();
+            let scale = crate::metrics::mean_sun(&truth).unwrap() as f32;
+            for (i, whole) in whole.iter().enumerate() {
+                let sum = parts.iter().map(|part| part[i]).sum::<f32>() + truths[i];
+                assert!(
+                    (sum - whole).abs() < 1e-5 * scale,
+                    "{id} {i}: {sum} {whole}"
+                );
+            }
+            // A homogeneous medium: any march is exact at midpoints, and converges from the ends of steps.
+            if id == "srm" {
+                assert!(record.model_rel_rmse < 1e-5, "{record:?}");
+                assert!(record.storage_rel_rmse == 0.0, "{record:?}");
+            } else {
+                assert!(record.model_rel_rmse > 0.01, "{id} {record:?}");
+                assert!(record.storage_rel_rmse > 0.0, "{id} {record:?}");
+            }
+            assert!(record.precision_rel_rmse > 1e-4 && record.precision_rel_rmse < 0.01);
+            assert!((record.truth_rel_rmse - 1.4e-4).abs() < 1e-4, "{record:?}");
+            assert_eq!(record.noise_filter, None);
+        }
+    }
+
+    #[test]
+    fn ample_stays_within_bounds() {
+        let fine = MethodSetup::defaults("esm").unwrap();
+        let finer = ample(&fine).unwrap();
+        assert_eq!(finer.params.int("steps").unwrap(), 400);
+        assert_eq!(finer.params.int("resolution").unwrap(), 1024);
+        let most = fine.with("resolution", "4096").unwrap();
+        let most = most.with("steps", "1000").unwrap();
+        let finer = ample(&most).unwrap();
+        assert_eq!(finer.params.int("steps").unwrap(), 1000);
+        assert_eq!(finer.params.int("resolution").unwrap(), 4096);
+        let floor = ample(&MethodSetup::defaults("floor").unwrap()).unwrap();
+        assert_eq!(floor.params.int("resolution").unwrap(), 512);
     }
 }

@@ -169,6 +169,8 @@ pub struct Decomposition {
     /// The cell's picture minus the f64 one at the same settings: stored values, f32 arithmetic, and what is left of the
     /// device's filtering of noise.
     pub precision_rel_rmse: f64,
+    /// Of precision, what rounding of stored map values does alone: to nearest, all else in f64.
+    pub storage_rel_rmse: f64,
     /// The f64 truth minus the truth that the cell was compared with.
     pub truth_rel_rmse: f64,
     /// Steps that count as ample; `null` for a method without.

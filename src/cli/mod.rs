@@ -3,8 +3,10 @@
 mod batch;
 mod diff;
 mod info;
+mod probe;
 mod progress;
 mod render;
+mod scene;
 
 use clap::{Parser, Subcommand};
 use occlab::backend::{Backend, Choice};
@@ -30,6 +32,8 @@ enum Command {
     Report(batch::Rebuild),
     /// Render one picture of a scene with one method.
     Render(render::Render),
+    /// Draw T(d) of every method against the truth along one light column: chart and CSV. Needs no adapter.
+    Probe(probe::Probe),
     /// Compare two pictures (EXR or PNG): every error number, and a signed difference picture.
     Diff(diff::Diff),
     /// List the light-occlusion methods and their parameters.
@@ -97,6 +101,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Batch(c) => c.run(),
         Command::Report(c) => c.run(),
         Command::Render(c) => c.run(),
+        Command::Probe(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Methods(c) => info::methods(&c),
         Command::Adapters(c) => info::adapters(&c),

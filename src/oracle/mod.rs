@@ -22,6 +22,7 @@ mod light;
 mod map;
 mod march;
 mod noise;
+mod probe;
 mod procedural;
 mod reference;
 mod texture;

@@ -2,6 +2,7 @@
 
 mod album;
 mod choose;
+mod errors;
 mod figures;
 mod frontier;
 mod parts;
@@ -36,6 +37,7 @@ pub fn html(folder: &Path, view: &View<'_>, charts: &[Chart], sheets: &[Sheet]) 
                     (tail::failures(view))
                     (choose::section(view))
                     (pictures::section(view, &mut album, sheets))
+                    (errors::section(view, &mut album))
                     (figures::section(view, charts))
                     (table::section(view, &album))
                     (tail::claims(view))

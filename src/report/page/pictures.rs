@@ -133,7 +133,7 @@ fn numbers(shot: &Shot<'_>) -> Markup {
 }
 
 /// A picture, or a visible notice in its place.
-fn image(picture: &Picture, name: &str, class: &str) -> Markup {
+pub fn image(picture: &Picture, name: &str, class: &str) -> Markup {
     match picture {
         Picture::Embedded { uri, link, size } => html! {
             a.frame href=(link) {
