@@ -5,13 +5,15 @@
 //! (JSON)   (metres)  (field)   (strategy)   (linear HDR)         (numbers)  (records) (charts, page)
 //! ```
 //!
-//! [`oracle`] renders the same scenes and methods in f64 on the CPU: the independent check.
+//! [`oracle`] renders the same scenes and methods in f64 on the CPU: the independent check. [`backend`] is the door to
+//! both: a device, or the oracle where there is none.
 //!
 //! Dependencies point right to left only. World axes: y up, right-handed, origin on the ground under the scene's
 //! centre. Units: metres, m⁻¹, degrees in files and radians in code, linear radiance with sRGB primaries.
 
 #![deny(unsafe_code)]
 
+pub mod backend;
 pub mod batch;
 pub mod config;
 #[cfg(test)]
@@ -24,6 +26,7 @@ pub mod gpu;
 pub mod metrics;
 pub mod occlusion;
 pub mod oracle;
+pub mod probe;
 pub mod raymarch;
 pub mod report;
 pub mod scene;

@@ -1,5 +1,6 @@
 //! Pictures against closed forms and against small f64 quadratures written here.
 
+#[macro_use]
 mod common;
 
 use common::{
@@ -34,6 +35,7 @@ fn single_pixel(scene: &mut Scene, position: DVec3, forward: DVec3) {
 ///   straight down:             L = p·E·(1 − e^(−2σH))/2           (midpoint rule: (σΔ)²/24 < 1e-6 at 512 steps)
 #[test]
 fn homogeneous_slab_has_its_closed_form() {
+    needs_adapter!();
     let (sigma, height) = (0.004, 1000.0);
     let mut scene = box_scene([0.0; 3], [800.0, height, 800.0], sigma);
     scene.march.steps = 512;
@@ -114,6 +116,7 @@ fn box_reference(scene: &Scene, ray: DVec3, low: DVec3, high: DVec3) -> f64 {
 /// cost O(Δ²), below 1e-3.
 #[test]
 fn homogeneous_box_agrees_with_ray_box_distances() {
+    needs_adapter!();
     let (low, high) = (
         DVec3::new(-300.0, 100.0, -200.0),
         DVec3::new(400.0, 600.0, 500.0),
@@ -160,6 +163,7 @@ fn homogeneous_box_agrees_with_ray_box_distances() {
 /// roundings of 2⁻²⁴.
 #[test]
 fn a_furnace_returns_what_it_receives() {
+    needs_adapter!();
     let mut plain = box_scene([0.0; 3], [800.0; 3], 0.004);
     plain.march.jitter = true;
     for mut scene in [plain, cumulus()] {
@@ -189,6 +193,7 @@ fn a_furnace_returns_what_it_receives() {
 /// over up to 35 km. f32 grants n·2⁻²³ of the sum, 4e-4, and V of about e⁻¹ a few ulp.
 #[test]
 fn light_rays_are_as_long_as_the_layer() {
+    needs_adapter!();
     let shell = Container::Shell {
         planet_radius_m: 2e5,
         base_m: 1000.0,
@@ -242,6 +247,7 @@ fn light_rays_are_as_long_as_the_layer() {
 /// 1e-7, is worth up to 1e-7·3g/(1 − g)² = 3e-3 of p.
 #[test]
 fn rendered_light_follows_the_phase_function() {
+    needs_adapter!();
     for lobes in [
         &[(0.0, 1.0)][..],
         &[(0.6, 1.0)],
@@ -319,6 +325,7 @@ fn rendered_light_follows_the_phase_function() {
 /// invocation: Mesa's llvmpipe ends the loops of an invocation after 65 535 turns in all (LP_MAX_TGSI_LOOP_ITERATIONS).
 #[test]
 fn long_marches_are_not_cut_short() {
+    needs_adapter!();
     let mut scene = box_scene([0.0; 3], [800.0; 3], 0.001);
     scene.march.steps = 400;
     single_pixel(&mut scene, DVec3::new(-300.0, 400.0, 400.0), DVec3::X);
@@ -350,6 +357,7 @@ fn long_marches_are_not_cut_short() {
 /// The density scales extinction: density 2 at σ/2 is the same medium.
 #[test]
 fn density_and_extinction_multiply() {
+    needs_adapter!();
     let mut scene = box_scene([0.0; 3], [800.0; 3], 0.004);
     let one = render(&scene, size(6, 4), &setup("srm", ""));
     scene.density = Density::Uniform { value: 2.0 };

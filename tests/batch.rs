@@ -1,6 +1,7 @@
 //! What a batch must survive and must not lose: a damaged cache, a full disk, an interruption; and what its numbers must
 //! be where they are known beforehand.
 
+#[macro_use]
 mod common;
 #[path = "common/program.rs"]
 mod program;
@@ -37,6 +38,7 @@ fn change(path: &Path, edit: impl FnOnce(&mut Vec<u8>)) {
 
 #[test]
 fn a_damaged_truth_is_rendered_again_with_a_note_and_equals_a_fresh_one() {
+    needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
     let cache = folder.path();
     let fresh = cached_truth(cache, Counting::On);
@@ -83,6 +85,7 @@ fn a_damaged_truth_is_rendered_again_with_a_note_and_equals_a_fresh_one() {
 
 #[test]
 fn a_truth_without_counts_serves_only_who_does_not_want_them() {
+    needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(
         cached_truth(folder.path(), Counting::Off).cost.samples,

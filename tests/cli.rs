@@ -1,10 +1,14 @@
 //! The program as a user meets it: errors that name file, place and remedy with exit code 2, a batch that survives a
 //! kill, a failed cell that does not take the others with it.
 
+#[macro_use]
+mod common;
 #[path = "common/program.rs"]
 mod program;
 
-use program::{batch, cells, experiment, modified, occlab, refused, report, stderr, workplace};
+use program::{
+    batch, cells, experiment, modified, occlab, refused, report, stderr, without_adapter, workplace,
+};
 use serde_json::{Value, json};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -98,6 +102,7 @@ fn a_killed_batch_resumes_and_repeats_nothing() {
 
 #[test]
 fn a_cell_beyond_the_adapter_is_recorded_and_the_rest_goes_on() {
+    needs_adapter!();
     let folder = workplace(|_, e| {
         e["sun_elevation_deg"] = json!(60);
         e["methods"][1]["resolution"] = json!([16, 65536]);
@@ -213,10 +218,8 @@ fn a_reader_that_leaves_is_no_error() {
 #[test]
 fn without_an_adapter_the_error_names_the_package_to_install() {
     let folder = workplace(|_, _| {});
-    let hidden = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].map(|name| (name, "/nonexistent"));
-    let output = occlab(folder.path())
-        .args(["batch", "small.json", "--out", "out"])
-        .envs(hidden)
+    let output = without_adapter(&mut occlab(folder.path()))
+        .args(["batch", "small.json", "--out", "out", "--backend", "gpu"])
         .output()
         .unwrap();
     refused(&output, &["no Vulkan", "mesa-vulkan-drivers"]);

@@ -1,5 +1,6 @@
 //! Thousands of single light columns: every texel of a map as the device stored it against the oracle's.
 
+#[macro_use]
 mod common;
 
 use common::{box_scene, cube_density, hashed, on_gpu, setup, write_cube};
@@ -88,6 +89,7 @@ fn share_apart(measured: &[f32], expected: &[f64], kinds: usize, tolerance: f64)
 /// rounded position may fall: at most 1 column in 200.
 #[test]
 fn columns_hold_what_the_equations_say() {
+    needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
     let scene = lumps(folder.path());
     on_gpu(move |renderer| {

@@ -1,5 +1,6 @@
 //! What every occlusion method promises, checked over the registry.
 
+#[macro_use]
 mod common;
 
 use common::{
@@ -78,6 +79,7 @@ fn descriptions_are_complete() {
 /// A missing uniform member or binding is an error of `prepare`.
 #[test]
 fn every_binding_is_supplied_in_a_scene_with_every_feature() {
+    needs_adapter!();
     let mut scene = cumulus();
     scene.sky = Some(Sky::Preetham {
         turbidity: 3.0,
@@ -129,6 +131,7 @@ fn layer(extinction: f64, elevation_deg: f64) -> Scene {
 
 #[test]
 fn nothing_is_shadowed_where_there_is_nothing() {
+    needs_adapter!();
     for id in ids() {
         // σ·1 km = 1e-9 rounds away: V must be 1 (ESM: its front is never reached) but for the few ulp that WGSL grants
         // exp, (3 + 2|x|), and division, 2.5.
@@ -177,6 +180,7 @@ fn expected_v(scene: &Scene, column: u32, row: u32) -> f64 {
 /// c = σ·L_max and, like BSM, the front at the near edge, since the threshold of 0.99 leaves out τ = 0.01.
 #[test]
 fn a_homogeneous_layer_is_exact() {
+    needs_adapter!();
     for elevation in [90.0, 30.0] {
         let sigma = 0.0023;
         let scene = layer(sigma, elevation);
@@ -246,6 +250,7 @@ fn assert_finite(what: &str, frame: &Frame) {
 /// Only stable forms promise this; the published ones are kept to show where they fail.
 #[test]
 fn extreme_media_give_finite_pictures() {
+    needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
     let denormal = write_cube(folder.path(), 8, |x, y, z| {
         if hashed(x, y, z) < 0.5 {
@@ -285,6 +290,7 @@ fn extreme_media_give_finite_pictures() {
 /// V down one vertical light column, through a medium that varies from cell to cell but not along the view.
 #[test]
 fn monotone_methods_never_brighten_with_depth() {
+    needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
     let gaps = |x: usize, y: usize| {
         if hashed(x, y, 7) < 0.4 {
@@ -347,6 +353,7 @@ fn monotone_methods_never_brighten_with_depth() {
 /// Payload: values × bytes × texels, 1 : 3 : 7 (thesis M). Allocation: no texel has three channels.
 #[test]
 fn memory_follows_from_values_and_format() {
+    needs_adapter!();
     on_gpu(|renderer| {
         let single = renderer
             .gpu

@@ -7,6 +7,7 @@
 //! Rounding of stored values is emulated. WGSL leaves f16 conversion (nearest or cut off) and the filtering of noise to the
 //! device: the oracle is asked for both, and the nearer answer counts.
 
+#[macro_use]
 mod common;
 
 use common::{
@@ -223,6 +224,7 @@ fn every_method_has_a_case() {
 /// Volumes are interpolated in f32 by hand: nothing but rounding separates device and oracle.
 #[test]
 fn imported_volume() {
+    needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
     check(rough_volume(folder.path()), CASES, &[Filter::Exact], 0.0);
 }
@@ -231,6 +233,7 @@ fn imported_volume() {
 /// two of 255: 1/255 of shape is up to 2 % of extinction near an edge, and moves fronts. 1e-2 in a picture.
 #[test]
 fn procedural_clouds() {
+    needs_adapter!();
     check(
         cumulus(),
         CLOUD_CASES,
@@ -270,6 +273,7 @@ fn rich(integration: Integration, step_m: Option<f64>) -> Scene {
 /// Sun, whole radiance and opacity, to 1e-2: noise is filtered as in `procedural_clouds`. An albedo 5 % off is told apart.
 #[test]
 fn views_with_sky_ambient_and_two_decks() {
+    needs_adapter!();
     for (integration, step_m) in [
         (Integration::Analytic, None),
         (Integration::Thesis, Some(150.0)),
@@ -326,6 +330,7 @@ fn views_with_sky_ambient_and_two_decks() {
 /// The sky alone, whose coefficients a device holds in f32.
 #[test]
 fn sky_behind_nothing() {
+    needs_adapter!();
     let mut scene = box_scene([-1.0; 3], [1.0; 3], 0.0);
     scene.sun.elevation_deg = 25.0;
     scene.camera.fov_y_deg = 100.0;
@@ -356,6 +361,7 @@ fn sky_behind_nothing() {
 /// Columns that never begin: in a medium too thin for any threshold, and beside a box, where a column has no length.
 #[test]
 fn columns_that_never_begin_agree() {
+    needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
     let scene = rough_volume(folder.path());
     on_gpu(move |renderer| {

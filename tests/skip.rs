@@ -1,5 +1,6 @@
 //! Skipping of empty space changes no picture; noise repeats without seams; coverage is what the scene asks for.
 
+#[macro_use]
 mod common;
 
 use common::{
@@ -75,6 +76,7 @@ fn check_skipping(scene: Scene) {
 
 #[test]
 fn skipping_is_exact_in_procedural_clouds() {
+    needs_adapter!();
     let mut scene = cumulus();
     // Erosion shrinks clouds away from their bounds: without it, and with steps below a cell (32 m), a step too far shows.
     let Density::Procedural(field) = &mut scene.density else {
@@ -87,6 +89,7 @@ fn skipping_is_exact_in_procedural_clouds() {
 
 #[test]
 fn skipping_is_exact_in_a_random_volume() {
+    needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
     // Clumps of 6³ cells with holes inside and out.
     let value = |x: usize, y: usize, z: usize| {
@@ -130,6 +133,7 @@ fn from_above(coverage: f64, [x, z]: [f64; 2], width_m: f64) -> Scene {
 /// (2⁻⁹ m at 16 km) which moves 8-bit filter weights: 1e-3.
 #[test]
 fn the_field_repeats_after_a_weather_tile() {
+    needs_adapter!();
     let picture = |x: f64| {
         let mut scene = from_above(0.5, [x, 0.0], 4000.0);
         scene.camera.position_m = [x - 3000.0, 500.0, -2500.0];
@@ -183,6 +187,7 @@ fn seam(frame: &Frame) -> f64 {
 /// At x = 0 weather, shape and detail begin anew. Across it, opacity must not change more than elsewhere.
 #[test]
 fn tiles_join_without_a_seam() {
+    needs_adapter!();
     let mut one = render(
         &from_above(0.6, [0.0, 1000.0], 1500.0),
         size(64, 64),
@@ -206,6 +211,7 @@ fn tiles_join_without_a_seam() {
 /// pixels, rays lean by 1 in 200: within 0.04).
 #[test]
 fn coverage_is_what_the_scene_asks_for() {
+    needs_adapter!();
     for coverage in [0.1, 0.4, 0.7] {
         let scene = from_above(coverage, [0.0, 0.0], TILE_M);
         scene.validate().unwrap();

@@ -1,6 +1,7 @@
 //! Two small linear pictures against stored ones. `OCCLAB_BLESS=1 cargo test --test snapshots` stores new ones (and
 //! fails: a run that blesses is never green); look at the difference before committing them.
 
+#[macro_use]
 mod common;
 
 use common::{box_scene, cube_density, cumulus, hashed, render, setup, size, write_cube};
@@ -121,6 +122,7 @@ fn check(name: &str, picture: &Frame) {
 
 #[test]
 fn cumulus_with_a_secondary_march() {
+    needs_adapter!();
     let mut scene = cumulus();
     scene.sun.irradiance = None;
     scene.sky = Some(Sky::Preetham {
@@ -140,6 +142,7 @@ fn cumulus_with_a_secondary_march() {
 
 #[test]
 fn volume_with_a_beer_shadow_map() {
+    needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
     // Three soft balls, so that a cell's rounding matters little.
     let balls = [

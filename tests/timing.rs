@@ -1,12 +1,14 @@
 //! Timestamps mean what they say: on a CPU adapter a run's passes fill most of its wall time, for the method prepared
 //! last and for those prepared before it (a driver that defers timestamps reports almost nothing for the latter).
 
+#[macro_use]
 mod common;
 
 use occlab::raymarch::unwatched;
 
 #[test]
 fn passes_account_for_the_wall_time_of_every_prepared_method() {
+    needs_adapter!();
     common::on_gpu(|renderer| {
         let info = &renderer.gpu.info;
         if info.device_type != wgpu::DeviceType::Cpu || !renderer.gpu.has_timestamps() {

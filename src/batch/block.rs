@@ -5,16 +5,18 @@
 //! read in the first discarded round, counted, compared and written after the last.
 
 use super::cell::{bare_cell, cell_id, record_failure, setup, times, view_id};
-use super::pictures::{write_compared, write_picture};
+use super::decompose::{Decomposer, Parts};
+use super::pictures::{write_compared, write_parts, write_picture};
 use super::record::{Cell, Measured, Reference};
 use super::{Event, Observer, Task, flicker, stage, tell};
+use crate::backend::{Prepared, View};
 use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::metrics::{ErrorNumbers, compare};
 use crate::occlusion::{MAP_PARAMS, MethodSetup};
-use crate::raymarch::reference::{Counting, Truth, truth};
-use crate::raymarch::{PassTimes, Prepared, View, unwatched};
+use crate::raymarch::reference::{Counting, Truth};
+use crate::raymarch::{PassTimes, unwatched};
 use crate::scene::ImageSize;
 use serde_json::json;
 use std::collections::HashMap;
@@ -26,7 +28,7 @@ const BLOCK_BYTES: u64 = 2 << 30;
 struct Run<'a> {
     spec: &'a CellSpec,
     setup: MethodSetup,
-    prepared: Prepared,
+    prepared: Prepared<'a>,
     frame: Option<Frame>,
     times: Vec<PassTimes>,
 }
@@ -35,10 +37,12 @@ struct Run<'a> {
 struct Bench<'a> {
     task: &'a Task<'a>,
     matrix: &'a MatrixView,
-    view: View,
+    view: &'a View,
     truth: Truth,
     /// `rel_rmse` of the uncompressed column by the map parameters it shares with a cell.
     floors: HashMap<String, f64>,
+    /// Made for the first cell that is decomposed.
+    decomposer: Option<Decomposer>,
     passes_s: f64,
 }
 
@@ -52,16 +56,13 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
     if missing.is_empty() {
         return Ok(0.0);
     }
-    let mut bench = match Bench::new(task, matrix, observe) {
+    let (view, scene_s) = match open_view(task, matrix, observe) {
+        Ok(opened) => opened,
+        Err(error) => return refuse(task, matrix, &missing, error, observe),
+    };
+    let mut bench = match Bench::new(task, matrix, &view, scene_s, observe) {
         Ok(bench) => bench,
-        // The scene itself cannot be rendered here: every cell says so, the other scenes go on.
-        Err(error @ Error::Gpu { .. }) => {
-            for spec in missing {
-                record_failure(task, matrix, spec, &error, observe)?;
-            }
-            return Ok(0.0);
-        }
-        Err(error) => return Err(error),
+        Err(error) => return refuse(task, matrix, &missing, error, observe),
     };
     let mut rest = &missing[..];
     while !rest.is_empty() {
@@ -70,15 +71,44 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
     Ok(bench.passes_s)
 }
 
+/// The view, and the seconds that making its scene ready took without compilation.
+fn open_view(task: &Task, matrix: &MatrixView, observe: Observer) -> Result<(View, f64)> {
+    stage(observe, matrix, "scene", 0.0)?;
+    let (start, compiled_s) = (std::time::Instant::now(), task.backend.compile_s());
+    let view = task.backend.view(&matrix.scene, matrix.image)?;
+    let scene_s = start.elapsed().as_secs_f64() - (task.backend.compile_s() - compiled_s);
+    Ok((view, scene_s))
+}
+
+/// A scene that cannot be rendered on this adapter: every cell says so, the other scenes go on.
+fn refuse(
+    task: &Task,
+    matrix: &MatrixView,
+    missing: &[&CellSpec],
+    error: Error,
+    observe: Observer,
+) -> Result<f64> {
+    if !matches!(error, Error::Gpu { .. }) {
+        return Err(error);
+    }
+    for spec in missing {
+        record_failure(task, matrix, spec, &error, observe)?;
+    }
+    Ok(0.0)
+}
+
 impl<'a> Bench<'a> {
-    fn new(task: &'a Task, matrix: &'a MatrixView, observe: Observer) -> Result<Self> {
-        let renderer = task.renderer;
-        stage(observe, matrix, "scene", 0.0)?;
-        let (start, compiled_s) = (std::time::Instant::now(), renderer.gpu.compile_s());
-        let view = renderer.view(&matrix.scene, matrix.image)?;
-        let scene_s = start.elapsed().as_secs_f64() - (renderer.gpu.compile_s() - compiled_s);
+    fn new(
+        task: &'a Task,
+        matrix: &'a MatrixView,
+        view: &'a View,
+        scene_s: f64,
+        observe: Observer,
+    ) -> Result<Self> {
         let mut progress = |share| observe(Event::stage(matrix, "truth", share));
-        let truth = truth(renderer, &view, task.cache, Counting::On, &mut progress)?;
+        let truth = task
+            .backend
+            .truth(view, task.cache, Counting::On, &mut progress)?;
         if let Some(note) = &truth.note {
             tell(observe, Event::Note(note.clone()))?;
         }
@@ -86,9 +116,10 @@ impl<'a> Bench<'a> {
             task,
             matrix,
             view,
-            passes_s: scene_s + truth.passes_s(),
+            passes_s: scene_s + truth.passes_s,
             truth,
             floors: HashMap::new(),
+            decomposer: None,
         };
         bench.record_reference(observe)?;
         Ok(bench)
@@ -104,7 +135,7 @@ impl<'a> Bench<'a> {
         stage(observe, matrix, "view steps", 0.0)?;
         let (frame, cost) = (&self.truth.frame, self.truth.cost);
         let files = write_picture(task.store, &format!("truth-{id}"), frame, frame)?;
-        let (view_step_rel_rmse, passes_s) = view_step_error(task, &self.view)?;
+        let (view_step_rel_rmse, passes_s) = view_step_error(task, self.view)?;
         self.passes_s += passes_s;
         let reference = Reference {
             id: id.clone(),
@@ -112,6 +143,7 @@ impl<'a> Bench<'a> {
             sun_elevation_deg: matrix.scene.sun.elevation_deg,
             image: matrix.image,
             march_ms: cost.march_ms,
+            wall_ms: Some(cost.wall_ms),
             light_samples: cost.samples.map(|samples| samples.light),
             view_samples: cost.samples.map(|samples| samples.view),
             cached: self.truth.cached,
@@ -167,7 +199,7 @@ impl<'a> Bench<'a> {
 
     fn prepare(&self, spec: &'a CellSpec) -> Result<Run<'a>> {
         let setup = setup(spec)?;
-        let prepared = self.task.renderer.prepare(&self.view, &setup)?;
+        let prepared = self.task.backend.prepare(self.view, &setup)?;
         Ok(Run {
             spec,
             setup,
@@ -178,7 +210,12 @@ impl<'a> Bench<'a> {
     }
 
     fn rounds(&mut self, runs: &mut [Run], observe: Observer) -> Result<()> {
-        let rounds = self.task.experiment.discard + self.task.experiment.runs;
+        let experiment = self.task.experiment;
+        let (discard, timed) = self
+            .task
+            .backend
+            .rounds(experiment.discard, experiment.runs);
+        let rounds = discard + timed;
         let total = f64::from(rounds) * runs.len().max(1) as f64;
         for round in 0..rounds {
             for (i, run) in runs.iter_mut().enumerate() {
@@ -189,12 +226,12 @@ impl<'a> Bench<'a> {
                     &format!("round {}/{rounds}", round + 1),
                     share,
                 )?;
-                let times = run.prepared.run(&self.task.renderer.gpu, &mut unwatched)?;
+                let times = run.prepared.run(&mut unwatched)?;
                 self.passes_s += times.wall * 1e-3;
                 if round == 0 {
-                    run.frame = Some(self.view.read(&self.task.renderer.gpu)?);
+                    run.frame = Some(run.prepared.picture()?);
                 }
-                if round >= self.task.experiment.discard {
+                if round >= discard {
                     run.times.push(times);
                 }
             }
@@ -208,16 +245,25 @@ impl<'a> Bench<'a> {
             .ok_or_else(|| Error::gpu("the cell was never rendered", "Run the batch again."))?;
         let id = cell_id(self.matrix, run.spec);
         let comparison = compare(&self.truth.frame, &frame)?;
-        let counting = self
-            .task
-            .renderer
-            .prepare_counting(&self.view, &run.setup)?;
-        let counted = counting.run(&self.task.renderer.gpu, &mut unwatched)?;
-        self.passes_s += counted.wall * 1e-3;
-        let counts = counting.counts(&self.task.renderer.gpu)?;
+        let (counts, counting_s) = run.prepared.counts(&mut unwatched)?;
+        self.passes_s += counting_s;
         let error = ErrorNumbers {
             floor_rel_rmse: self.floor(&run.setup)?,
             ..comparison.error
+        };
+        let mut files = write_compared(self.task.store, &id, &self.truth.frame, &frame)?;
+        let mut notes = Vec::new();
+        let decomposition = match self.decompose(&run.setup, &frame) {
+            Ok(None) => None,
+            Ok(Some((record, parts))) => {
+                write_parts(self.task.store, &id, &self.truth.frame, &parts, &mut files)?;
+                Some(record)
+            }
+            Err(error) if error.concerns_one_cell() => {
+                notes.push(format!("decomposition: {error}"));
+                None
+            }
+            Err(error) => return Err(error),
         };
         let result = Measured {
             reference: view_id(self.matrix),
@@ -228,13 +274,32 @@ impl<'a> Bench<'a> {
             rounds_total_ms: run.times.iter().filter_map(PassTimes::total).collect(),
             samples: counts.samples,
             error,
-            notes: Vec::new(),
-            files: write_compared(self.task.store, &id, &self.truth.frame, &frame)?,
+            decomposition,
+            notes,
+            files,
         };
         Ok(Cell {
             result: Some(result),
             ..bare_cell(self.task, self.matrix, run.spec)
         })
+    }
+
+    /// The parts of a cell's error with their images; `None` where the experiment asks for none.
+    fn decompose(&mut self, setup: &MethodSetup, frame: &Frame) -> Result<Option<Parts>> {
+        if !self.task.experiment.decompose {
+            return Ok(None);
+        }
+        let truth = &self.truth.frame;
+        let decomposer = match &mut self.decomposer {
+            Some(made) => made,
+            none => none.insert(Decomposer::new(
+                &self.matrix.scene,
+                self.matrix.image,
+                truth,
+                self.task.cache,
+            )?),
+        };
+        decomposer.measure(setup, truth, frame).map(Some)
     }
 
     /// The same cell with nothing compressed, or `None` for a method without a map.
@@ -252,10 +317,10 @@ impl<'a> Bench<'a> {
         if let Some(known) = self.floors.get(&key) {
             return Ok(Some(*known));
         }
-        let prepared = self.task.renderer.prepare(&self.view, &floor)?;
-        let times = prepared.run(&self.task.renderer.gpu, &mut unwatched)?;
+        let prepared = self.task.backend.prepare(self.view, &floor)?;
+        let times = prepared.run(&mut unwatched)?;
         self.passes_s += times.wall * 1e-3;
-        let error = compare(&self.truth.frame, &self.view.read(&self.task.renderer.gpu)?)?
+        let error = compare(&self.truth.frame, &prepared.picture()?)?
             .error
             .rel_rmse;
         self.floors.insert(key, error);
@@ -276,9 +341,12 @@ fn view_step_error(task: &Task, view: &View) -> Result<(Option<f64>, f64)> {
     let light = MethodSetup::defaults("srm")?
         .with("spacing", "quadratic")?
         .with("steps", "20")?;
-    let renderer = task.renderer;
-    let (own, own_times) = renderer.render(&view.scene, view.image, &light, &mut unwatched)?;
-    let (finer, finer_times) = renderer.render(&finer, view.image, &light, &mut unwatched)?;
+    let (own, own_times) = task
+        .backend
+        .render(&view.scene, view.image, &light, &mut unwatched)?;
+    let (finer, finer_times) = task
+        .backend
+        .render(&finer, view.image, &light, &mut unwatched)?;
     let passes_s = (own_times.wall + finer_times.wall) * 1e-3;
     match compare(&finer, &own) {
         Ok(comparison) => Ok((Some(comparison.error.rel_rmse), passes_s)),

@@ -46,7 +46,7 @@ pub(super) fn times(runs: &[PassTimes]) -> Times {
 
 /// A record without numbers.
 pub(super) fn bare_cell(task: &Task, view: &MatrixView, spec: &CellSpec) -> Cell {
-    let environment = task.renderer.gpu.environment();
+    let environment = task.backend.environment();
     Cell {
         id: cell_id(view, spec),
         index: spec.index,

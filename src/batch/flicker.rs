@@ -6,12 +6,13 @@
 use super::cell::{cell_id, setup};
 use super::record::{Cell, Measured, TrackRecord};
 use super::{Event, Observer, Task, stage, tell};
+use crate::backend::View;
 use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::metrics::{ErrorNumbers, Flicker};
 use crate::occlusion::MethodSetup;
-use crate::raymarch::reference::{Counting, Truth, truth};
-use crate::raymarch::{View, unwatched};
+use crate::raymarch::reference::{Counting, Truth};
+use crate::raymarch::unwatched;
 use crate::scene::Track;
 
 /// A cell on the move: its number so far, or why it has none.
@@ -91,12 +92,12 @@ fn run_track(
         let what = format!("flicker, {} {}/{}", track.name(), frame + 1, Track::FRAMES);
         stage(observe, matrix, &what, 0.0)?;
         let prepared = task
-            .renderer
+            .backend
             .view(&scene, matrix.image)
             .and_then(|view| Ok((frame_truth(task, matrix, &view, &what, observe)?, view)));
         match prepared {
             Ok((truth, view)) => {
-                passes_s += truth.passes_s();
+                passes_s += truth.passes_s;
                 for case in &mut *cases {
                     passes_s += run_case(task, &view, &truth, case)?;
                 }
@@ -120,13 +121,9 @@ fn frame_truth(
     observe: Observer,
 ) -> Result<Truth> {
     let mut progress = |share| observe(Event::stage(matrix, what, share));
-    let truth = truth(
-        task.renderer,
-        view,
-        task.cache,
-        Counting::Off,
-        &mut progress,
-    )?;
+    let truth = task
+        .backend
+        .truth(view, task.cache, Counting::Off, &mut progress)?;
     if let Some(note) = &truth.note {
         tell(observe, Event::Note(note.clone()))?;
     }
@@ -138,13 +135,10 @@ fn run_case(task: &Task, view: &View, truth: &Truth, case: &mut Case) -> Result<
     let Ok(flicker) = &mut case.flicker else {
         return Ok(0.0);
     };
-    let gpu = &task.renderer.gpu;
     let mut add = || -> Result<f64> {
-        let times = task
-            .renderer
-            .prepare(view, &case.setup)?
-            .run(gpu, &mut unwatched)?;
-        flicker.add(&truth.frame, &view.read(gpu)?)?;
+        let prepared = task.backend.prepare(view, &case.setup)?;
+        let times = prepared.run(&mut unwatched)?;
+        flicker.add(&truth.frame, &prepared.picture()?)?;
         Ok(times.wall * 1e-3)
     };
     match add() {

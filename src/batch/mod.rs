@@ -3,15 +3,16 @@
 
 mod block;
 mod cell;
+mod decompose;
 mod flicker;
 mod pictures;
 pub mod record;
 mod store;
 
+use crate::backend::Backend;
 use crate::config::{Experiment, Matrix, View as MatrixView, expand};
 use crate::error::{Error, Result};
 use crate::occlusion::Registry;
-use crate::raymarch::Renderer;
 use record::{Cell, Report, SCHEMA};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -58,7 +59,7 @@ pub type Observer<'a> = &'a mut dyn FnMut(Event) -> ControlFlow<()>;
 /// What every view of a batch is measured with.
 struct Task<'a> {
     experiment: &'a Experiment,
-    renderer: &'a Renderer,
+    backend: &'a Backend,
     store: &'a Store,
     cache: Option<&'a Path>,
 }
@@ -66,18 +67,18 @@ struct Task<'a> {
 /// Runs what is missing of an experiment in `folder`; returns the report, which is not yet written.
 pub fn run(
     experiment: &Experiment,
-    renderer: &Renderer,
+    backend: &Backend,
     folder: &Path,
     cache: Option<&Path>,
     observe: Observer,
 ) -> Result<Report> {
     let start = Instant::now();
-    let compiled_s = renderer.gpu.compile_s();
+    let compiled_s = backend.compile_s();
     let matrix = expand(experiment, &Registry)?;
     let mut store = Store::open(
         folder,
         experiment.document().value(),
-        &renderer.gpu.environment(),
+        &backend.environment(),
     )?;
     let done = matrix
         .views
@@ -99,7 +100,7 @@ pub fn run(
     let mut outcome = Ok(());
     let task = Task {
         experiment,
-        renderer,
+        backend,
         store: &store,
         cache,
     };
@@ -116,7 +117,7 @@ pub fn run(
     store.add_wall(
         start.elapsed().as_secs_f64(),
         passes_s,
-        renderer.gpu.compile_s() - compiled_s,
+        backend.compile_s() - compiled_s,
     )?;
     outcome?;
     assemble(&matrix, &store)

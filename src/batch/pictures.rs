@@ -43,3 +43,21 @@ pub(super) fn write_compared(
     files.insert("diff_scale".to_owned(), DIFF_SCALE.into());
     Ok(files)
 }
+
+/// Writes the parts of a cell's error as `images/NAME-PART.png` at the scale of its difference, and adds them to `files`.
+pub(super) fn write_parts(
+    store: &Store,
+    name: &str,
+    truth: &Frame,
+    parts: &[Vec<f32>; 3],
+    files: &mut Map<String, Value>,
+) -> Result<()> {
+    let scale = DIFF_SCALE * mean_sun(truth)? as f32;
+    for (part, delta) in ["model", "sampling", "precision"].into_iter().zip(parts) {
+        let path = format!("images/{name}-{part}.png");
+        let pixels = false_colour(truth.width, truth.height, delta, scale);
+        write_png(&store.path(&path), truth.width, truth.height, &pixels)?;
+        files.insert(format!("{part}_png"), path.into());
+    }
+    Ok(())
+}

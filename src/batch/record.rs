@@ -59,6 +59,9 @@ pub struct Reference {
     pub image: ImageSize,
     /// Device time to render it, ms; `null` when it came from the cache of an adapter without timestamps.
     pub march_ms: Option<f64>,
+    /// Time to render it, seen from the CPU, ms: the only one where no adapter was used.
+    #[serde(default)]
+    pub wall_ms: Option<f64>,
     /// Density samples taken by its light marches.
     pub light_samples: Option<u64>,
     /// Density samples taken by its view marches.
@@ -136,17 +139,47 @@ pub struct Measured {
     pub memory: Memory,
     /// Milliseconds over the repeats.
     pub time_ms: Times,
-    /// Total time of each round, ms, in round order: ratios between methods are taken inside a round.
+    /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. Empty without
+    /// timestamps.
     pub rounds_total_ms: Vec<f64>,
     /// Density samples, from an untimed counting pipeline.
     pub samples: Samples,
     /// Against the truth.
     pub error: ErrorNumbers,
+    /// The error's three parts, where the experiment asks for them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decomposition: Option<Decomposition>,
     /// Numbers that were asked for and could not be had, and why; such a number is `null` and is not tried again.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Files relative to the report folder: `exr`, `png`, `diff_png`.
+    /// Files relative to the report folder: `exr`, `png`, `diff_png`; with a decomposition `model_png`, `sampling_png`,
+    /// `precision_png`, all differences at the scale `diff_scale`.
     pub files: Map<String, Value>,
+}
+
+/// The parts of a cell's error, each the RMS of a signed image over the truth's own RMS, ≥ 0. The images add up to the
+/// cell's difference from the truth, but for the truths' own difference; these numbers do not add.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Decomposition {
+    /// The method in f64 with ample steps and texels, minus the f64 truth.
+    pub model_rel_rmse: f64,
+    /// The method in f64 at the cell's steps and texels, minus the same with ample ones.
+    pub sampling_rel_rmse: f64,
+    /// The cell's picture minus the f64 one at the same settings: stored values, f32 arithmetic, and what is left of the
+    /// device's filtering of noise.
+    pub precision_rel_rmse: f64,
+    /// Of precision, what rounding of stored map values does alone: to nearest, all else in f64.
+    pub storage_rel_rmse: f64,
+    /// The f64 truth minus the truth that the cell was compared with.
+    pub truth_rel_rmse: f64,
+    /// Steps that count as ample; `null` for a method without.
+    pub ample_steps: Option<u32>,
+    /// Texels along an edge that count as ample; `null` without a map.
+    pub ample_resolution: Option<u32>,
+    /// How the f64 pictures filter noise textures: `exact`, or `8 bit` as some devices do, whichever truth is nearer;
+    /// `null` without noise.
+    pub noise_filter: Option<String>,
 }
 
 /// Statistics of each pass over the repeats; `null` where the adapter has no timestamps ("n/a", never 0).
@@ -163,7 +196,48 @@ pub struct Times {
     pub wall: Option<Stats>,
 }
 
+/// Which time of a cell stands for its cost in a report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// The sum of the device's passes.
+    Device,
+    /// Submission to completion, seen from the CPU.
+    Wall,
+}
+
+impl Clock {
+    /// The cost of a cell, ms; `None` where this clock has no time of it.
+    pub fn cost(self, times: &Times) -> Option<Stats> {
+        match self {
+            Self::Device => times.total,
+            Self::Wall => times.wall,
+        }
+    }
+
+    /// `total` or `wall`, as in [`Times`].
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Device => "total",
+            Self::Wall => "wall",
+        }
+    }
+}
+
 impl Report {
+    /// The device's clock where any cell has its time: both are never mixed. Without timestamps the wall clock, which
+    /// also counts submission and read-back.
+    pub fn clock(&self) -> Clock {
+        let timed = |cell: &Cell| {
+            let result = cell.result.as_ref();
+            result.is_some_and(|result| result.time_ms.total.is_some())
+        };
+        if self.cells.iter().any(timed) {
+            Clock::Device
+        } else {
+            Clock::Wall
+        }
+    }
+
     /// Reads `report.json` of a folder.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(Error::reading(path))?;

@@ -2,12 +2,10 @@
 
 use super::progress::bar;
 use super::{Device, print_path, say};
-use occlab::batch::record::{Cell, Report};
+use occlab::batch::record::{Cell, Clock, Report};
 use occlab::batch::{Event, report_folder, run};
 use occlab::config::{describe, expand, load_experiment};
-use occlab::gpu::Gpu;
 use occlab::occlusion::Registry;
-use occlab::raymarch::Renderer;
 use occlab::raymarch::reference::cache_folder;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -40,19 +38,13 @@ impl Batch {
         let folder = self
             .out
             .unwrap_or_else(|| report_folder(&PathBuf::from("reports"), &experiment.name));
-        let renderer = Renderer::new(Gpu::new(self.device.adapter.as_deref())?);
+        let backend = self.device.open()?;
         let cache = if self.no_cache { None } else { cache_folder() };
         let quiet = self.device.quiet;
-        if !quiet {
-            eprintln!(
-                "adapter: {} ({:?})",
-                renderer.gpu.info.name, renderer.gpu.info.device_type
-            );
-        }
         let progress = bar(0, quiet);
         let report = run(
             &experiment,
-            &renderer,
+            &backend,
             &folder,
             cache.as_deref(),
             &mut |event| {
@@ -105,24 +97,34 @@ fn show(progress: &indicatif::ProgressBar, quiet: bool, event: Event) {
 
 /// The table on stderr: the page has the rest.
 fn summarise(report: &Report) {
+    let clock = report.clock();
     eprintln!(
         "{:<16} {:>4} {:<6} {:>9} {:>8} {:>8} {:>9} {:>10}  setting",
-        "scene", "sun", "method", "rel_rmse", "leak", "darken", "total ms", "map bytes"
+        "scene",
+        "sun",
+        "method",
+        "rel_rmse",
+        "leak",
+        "darken",
+        format!("{} ms", clock.name()),
+        "map bytes"
     );
     for cell in &report.cells {
-        eprintln!("{}", row(cell));
+        eprintln!("{}", row(cell, clock));
     }
     for truth in &report.references {
         let samples = truth
             .light_samples
             .zip(truth.view_samples)
             .map(|(l, v)| (l + v) as f64);
-        let rate = samples.zip(truth.march_ms).map_or("n/a".into(), |(n, ms)| {
+        let (what, time_ms) = match truth.march_ms {
+            Some(ms) => ("", Some(ms)),
+            None => ("wall ", truth.wall_ms),
+        };
+        let rate = samples.zip(time_ms).map_or("n/a".into(), |(n, ms)| {
             format!("{:.1} M samples/s", n / ms * 1e-3)
         });
-        let ms = truth
-            .march_ms
-            .map_or("n/a".into(), |ms| format!("{ms:.0} ms"));
+        let ms = time_ms.map_or("n/a".into(), |ms| format!("{what}{ms:.0} ms"));
         eprintln!(
             "{:<16} {:>3}° truth: {ms}, {rate}{}",
             truth.scene,
@@ -140,7 +142,7 @@ fn summarise(report: &Report) {
     );
 }
 
-fn row(cell: &Cell) -> String {
+fn row(cell: &Cell, clock: Clock) -> String {
     let setting: Vec<_> = cell
         .params
         .iter()
@@ -157,8 +159,8 @@ fn row(cell: &Cell) -> String {
             r.error.rel_rmse,
             r.error.leak,
             r.error.darken,
-            r.time_ms
-                .total
+            clock
+                .cost(&r.time_ms)
                 .map_or("n/a".into(), |t| format!("{:.1}", t.median)),
             r.memory.map_bytes,
             setting.join(" ")

@@ -3,10 +3,13 @@
 mod batch;
 mod diff;
 mod info;
+mod probe;
 mod progress;
 mod render;
+mod scene;
 
 use clap::{Parser, Subcommand};
+use occlab::backend::{Backend, Choice};
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -29,6 +32,8 @@ enum Command {
     Report(batch::Rebuild),
     /// Render one picture of a scene with one method.
     Render(render::Render),
+    /// Draw T(d) of every method against the truth along one light column: chart and CSV. Needs no adapter.
+    Probe(probe::Probe),
     /// Compare two pictures (EXR or PNG): every error number, and a signed difference picture.
     Diff(diff::Diff),
     /// List the light-occlusion methods and their parameters.
@@ -39,15 +44,55 @@ enum Command {
     Schema,
 }
 
-/// Options of commands that open an adapter.
+/// Options of commands that render.
 #[derive(clap::Args)]
 struct Device {
     /// Part of the adapter's name; default: the fastest kind. `occlab adapters` lists them.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+    /// What renders: a device, or the f64 oracle on the CPU; auto takes the oracle where there is no adapter.
+    #[arg(long, value_enum, default_value_t)]
+    backend: BackendName,
     /// No progress on stderr.
     #[arg(long, short)]
     quiet: bool,
+}
+
+/// [`Choice`] on the command line.
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum BackendName {
+    #[default]
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+impl Device {
+    /// Opens what the options ask for. One line on stderr says what renders; that it is not a device is said even when
+    /// quiet and not asked for.
+    fn open(&self) -> occlab::Result<Backend> {
+        let choice = match self.backend {
+            BackendName::Auto => Choice::Auto,
+            BackendName::Gpu => Choice::Gpu,
+            BackendName::Cpu => Choice::Cpu,
+        };
+        let backend = Backend::open(choice, self.adapter.as_deref())?;
+        let environment = backend.environment();
+        if !backend.is_oracle() {
+            if !self.quiet {
+                let (name, kind) = (environment.adapter, environment.device_type);
+                eprintln!("adapter: {name} ({kind})");
+            }
+        } else if choice == Choice::Auto {
+            eprintln!(
+                "no adapter: the {} renders instead, {}; `--backend gpu` says what to install",
+                environment.adapter, environment.driver
+            );
+        } else if !self.quiet {
+            eprintln!("backend: {}, {}", environment.adapter, environment.driver);
+        }
+        Ok(backend)
+    }
 }
 
 /// Runs a command. Exit codes: 0 done, 1 done but some cells failed, 2 an error.
@@ -56,6 +101,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Batch(c) => c.run(),
         Command::Report(c) => c.run(),
         Command::Render(c) => c.run(),
+        Command::Probe(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Methods(c) => info::methods(&c),
         Command::Adapters(c) => info::adapters(&c),

@@ -1,24 +1,20 @@
 //! `occlab render`.
 
 use super::progress::bar;
+use super::scene::SceneOptions;
 use super::{Device, print_path};
 use occlab::Error;
-use occlab::config::load_scene;
 use occlab::frame::{Exposure, tone_map, write_frame, write_png};
-use occlab::gpu::Gpu;
 use occlab::occlusion::MethodSetup;
-use occlab::raymarch::Renderer;
-use occlab::scene::ImageSize;
-use occlab::scene::{Density, Scene};
+use occlab::scene::Scene;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub struct Render {
-    /// Scene file, or the name of one in configs/scenes.
-    #[arg(long, short)]
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneOptions,
     /// Method id; `occlab methods` lists them.
     #[arg(long, short, default_value = "truth")]
     method: String,
@@ -28,28 +24,13 @@ pub struct Render {
     /// Picture: .exr (linear, lossless) or .png (tone-mapped).
     #[arg(long, short)]
     out: PathBuf,
-    /// Columns.
-    #[arg(long, default_value_t = 640)]
-    width: u32,
-    /// Rows.
-    #[arg(long, default_value_t = 360)]
-    height: u32,
-    /// Sun elevation in degrees, instead of the scene's.
-    #[arg(long, value_name = "DEG")]
-    sun_elevation: Option<f64>,
-    /// Volume file (.npy), instead of the scene's.
-    #[arg(long, value_name = "FILE")]
-    volume: Option<PathBuf>,
-    /// Seed of the noise, instead of the scene's.
-    #[arg(long)]
-    seed: Option<u32>,
     #[command(flatten)]
     device: Device,
 }
 
 impl Render {
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        let scene = self.scene()?;
+        let scene = self.scene.load()?;
         let setup = self.setup(&scene)?;
         let extension = self
             .out
@@ -65,21 +46,10 @@ impl Render {
             )
             .into());
         }
-        if self.width == 0 || self.height == 0 {
-            return Err(Error::input(
-                "--width, --height",
-                "a picture needs at least one pixel",
-                "Give positive sizes.",
-            )
-            .into());
-        }
-        let renderer = Renderer::new(Gpu::new(self.device.adapter.as_deref())?);
+        let image = self.scene.image()?;
+        let backend = self.device.open()?;
         let progress = bar(1000, self.device.quiet);
-        let image = ImageSize {
-            width: self.width,
-            height: self.height,
-        };
-        let (frame, times) = renderer.render(&scene, image, &setup, &mut |share| {
+        let (frame, times) = backend.render(&scene, image, &setup, &mut |share| {
             progress.set_position((share * 1000.0) as u64);
             ControlFlow::Continue(())
         })?;
@@ -100,51 +70,13 @@ impl Render {
             });
             eprintln!(
                 "{}: {generate}march {}, wall {:.1} ms",
-                renderer.gpu.info.name,
+                backend.environment().adapter,
                 ms(times.march),
                 times.wall
             );
         }
         print_path(&self.out)?;
         Ok(ExitCode::SUCCESS)
-    }
-
-    fn scene(&self) -> anyhow::Result<Scene> {
-        let named = PathBuf::from("configs/scenes").join(self.scene.with_extension("json"));
-        let path = if !self.scene.exists() && named.exists() {
-            &named
-        } else {
-            &self.scene
-        };
-        let mut scene = load_scene(path)?;
-        if let Some(elevation_deg) = self.sun_elevation {
-            scene.sun.elevation_deg = elevation_deg;
-        }
-        match (&mut scene.density, &self.volume, self.seed) {
-            (Density::Volume(volume), Some(path), _) => volume.path.clone_from(path),
-            (_, Some(_), _) => {
-                return Err(Error::input(
-                    "--volume",
-                    "the scene's density is not a volume",
-                    "Use configs/scenes/volume.json.",
-                )
-                .into());
-            }
-            (Density::Procedural(p), _, Some(seed)) => p.seed = seed,
-            (_, _, Some(_)) => {
-                return Err(Error::input(
-                    "--seed",
-                    "the scene's density has no noise",
-                    "Leave the option out.",
-                )
-                .into());
-            }
-            _ => {}
-        }
-        scene
-            .validate()
-            .map_err(|problem| problem.at(&path.display().to_string()))?;
-        Ok(scene)
     }
 
     fn setup(&self, scene: &Scene) -> anyhow::Result<MethodSetup> {

@@ -11,6 +11,9 @@
 //! `flicker` is optional: each cell is rendered again in 16 frames of a camera pan of one pixel a frame, of a sun that
 //! rises by 1°, or of both, and compared with the truth of each frame ([`Track`]).
 //!
+//! `"decompose": true` is optional too: each cell's error is split into model, sampling and precision with f64 pictures
+//! that the oracle renders after the timed rounds.
+//!
 //! Every other value that can vary is one value or a list; lists multiply. A value that is itself an array
 //! (a position) is varied by a list of arrays.
 
@@ -46,6 +49,8 @@ pub struct Experiment {
     /// Movements along which every cell's flicker is measured after its timed rounds; empty = none. Not an axis of the
     /// matrix: all of them are recorded in one cell.
     pub flicker: Vec<Track>,
+    /// Split every cell's error into model, sampling and precision after its timed rounds.
+    pub decompose: bool,
     /// Scenes in file order. Never empty.
     pub scenes: Vec<SceneEntry>,
     /// Method settings in file order; checked against the catalogue by [`super::expand`]. Never empty.
@@ -100,6 +105,8 @@ struct File {
     discard: u32,
     #[serde(default)]
     flicker: Option<Value>,
+    #[serde(default)]
+    decompose: bool,
     #[serde(rename = "scenes")]
     _scenes: Value,
     #[serde(default)]
@@ -165,6 +172,7 @@ fn from_document(document: Document) -> Result<Experiment> {
             .map(|(place, value)| method(&document, place, value))
             .collect::<Result<_>>()?,
         name: file.name,
+        decompose: file.decompose,
         runs: file.runs,
         discard: file.discard,
         flicker: match file.flicker {

@@ -1,6 +1,6 @@
 //! Adapter, device and queue, and the errors they report outside of calls.
 
-use super::environment::Environment;
+use super::environment::{Environment, host, program};
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex};
 
@@ -186,13 +186,8 @@ impl Gpu {
             driver: format!("{} {}", self.info.driver, self.info.driver_info),
             backend: format!("{:?}", self.info.backend),
             device_type: format!("{:?}", self.info.device_type),
-            commit: format!("occlab {}", env!("CARGO_PKG_VERSION")),
-            host: format!(
-                "{} {}, {} logical cores",
-                std::env::consts::OS,
-                std::env::consts::ARCH,
-                std::thread::available_parallelism().map_or(1, usize::from)
-            ),
+            commit: program(),
+            host: host(),
         }
     }
 

@@ -11,7 +11,7 @@ pub struct Environment {
     pub adapter: String,
     /// Driver and its version.
     pub driver: String,
-    /// `Vulkan`, `Metal`, `Dx12`.
+    /// `Vulkan`, `Metal`, `Dx12`, or [`Environment::ORACLE`].
     pub backend: String,
     /// `DiscreteGpu`, `IntegratedGpu`, `Cpu`…
     pub device_type: String,
@@ -19,4 +19,29 @@ pub struct Environment {
     pub commit: String,
     /// Operating system, architecture and logical cores.
     pub host: String,
+}
+
+impl Environment {
+    /// [`Self::backend`] where no adapter was used: the f64 oracle on the CPU.
+    pub const ORACLE: &str = "oracle";
+
+    /// Do the numbers come from the oracle, whose times are wall times of a CPU?
+    pub fn is_oracle(&self) -> bool {
+        self.backend == Self::ORACLE
+    }
+}
+
+/// Version of this program, for [`Environment::commit`].
+pub fn program() -> String {
+    format!("occlab {}", env!("CARGO_PKG_VERSION"))
+}
+
+/// This machine, for [`Environment::host`].
+pub fn host() -> String {
+    format!(
+        "{} {}, {} logical cores",
+        std::env::consts::OS,
+        std::env::consts::ARCH,
+        std::thread::available_parallelism().map_or(1, usize::from)
+    )
 }

@@ -10,7 +10,7 @@ mod timing;
 mod uniform;
 
 pub use context::{AdapterSummary, Gpu, list_adapters};
-pub use environment::Environment;
+pub use environment::{Environment, host, program};
 pub use kernel::{Inputs, Kernel, Resource};
 pub use readback::{read_buffer, read_texture};
 pub use shader::{Defs, Program, compose, embedded, sources_hash};

@@ -30,18 +30,45 @@ pub fn delta_rgb(reference: &Frame, test: &Frame) -> Result<Vec<f32>> {
 /// 0 outside the reference's cloud pixels; NaN (painted magenta) where the test's sun-lit radiance is not finite.
 /// Luminance weights: ITU-R BT.709-6, 2015.
 pub fn delta_luminance(reference: &Frame, test: &Frame) -> Result<Vec<f32>> {
-    check_pair(reference, test)?;
-    let pixels = reference.radiance.iter().zip(&reference.sun).zip(&test.sun);
-    let delta = |((view, truth), value): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
-        if value[..3].iter().any(|v| is_nonfinite(*v)) {
+    difference(reference, reference, test)
+}
+
+/// [`delta_luminance`] of `to` − `from`, both seen at the reference's cloud pixels: one part of an error.
+pub fn difference(reference: &Frame, from: &Frame, to: &Frame) -> Result<Vec<f32>> {
+    check_pair(reference, from)?;
+    check_pair(reference, to)?;
+    let pixels = reference.radiance.iter().zip(&from.sun).zip(&to.sun);
+    let delta = |((view, from), to): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
+        if [from, to]
+            .iter()
+            .any(|p| p[..3].iter().any(|v| is_nonfinite(*v)))
+        {
             f32::NAN
         } else if view[3] > CLOUD_OPACITY {
-            (luminance(*value) - luminance(*truth)) as f32
+            (luminance(*to) - luminance(*from)) as f32
         } else {
             0.0
         }
     };
     Ok(pixels.map(delta).collect())
+}
+
+/// √Σ(to − from)² / √ΣL² over RGB and the reference's cloud pixels, L the reference's sun-lit radiance, ≥ 0: `rel_rmse`
+/// of one part of an error. Channels that are not finite are read as 0, as in [`super::compare`].
+pub fn relative_rmse(reference: &Frame, from: &Frame, to: &Frame) -> Result<f64> {
+    check_pair(reference, from)?;
+    check_pair(reference, to)?;
+    super::mean_sun(reference)?;
+    let (mut squared, mut scale) = (0.0, 0.0);
+    for (i, view) in reference.radiance.iter().enumerate() {
+        if view[3] > CLOUD_OPACITY {
+            for c in 0..3 {
+                squared += (readable(to.sun[i][c]) - readable(from.sun[i][c])).powi(2);
+                scale += f64::from(reference.sun[i][c]).powi(2);
+            }
+        }
+    }
+    Ok((squared / scale).sqrt())
 }
 
 #[cfg(test)]
@@ -59,6 +86,23 @@ mod tests {
                 .iter()
                 .all(|d| (d + 0.25).abs() < 1e-6)
         );
+    }
+
+    #[test]
+    fn parts_of_an_error_add_up_and_have_its_scale() {
+        let (truth, half, test) = (cloud(8, 4), uniform(8, 4, 0.4), uniform(8, 4, 0.7));
+        let whole = delta_luminance(&truth, &test).unwrap();
+        let parts = [
+            difference(&truth, &truth, &half).unwrap(),
+            difference(&truth, &half, &test).unwrap(),
+        ];
+        for (i, whole) in whole.iter().enumerate() {
+            assert!((parts[0][i] + parts[1][i] - whole).abs() < 1e-6);
+        }
+        let error = super::super::compare(&truth, &test).unwrap().error;
+        let same = relative_rmse(&truth, &truth, &test).unwrap();
+        assert!((same - error.rel_rmse).abs() < 1e-12);
+        assert!(relative_rmse(&uniform(4, 4, 0.0), &uniform(4, 4, 0.1), &test).is_err());
     }
 
     #[test]

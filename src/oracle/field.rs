@@ -70,6 +70,14 @@ impl Field {
         self.filter
     }
 
+    /// Identifies imported data; empty for fields that the scene's JSON determines.
+    pub fn content_hash(&self) -> String {
+        match &self.kind {
+            Kind::Volume(volume) => volume.grid.hash.to_string(),
+            _ => String::new(),
+        }
+    }
+
     /// Weather thresholds of a procedural field's decks; empty for others.
     pub fn thresholds(&self) -> &[f64] {
         match &self.kind {

@@ -6,7 +6,7 @@ use super::way::{Way, count};
 use super::{LightColumn, Oracle};
 use crate::error::Result;
 use crate::occlusion::MethodSetup;
-use crate::occlusion::rounding::Rounding;
+use crate::occlusion::rounding::{Format, Rounding};
 use crate::occlusion::twin::{March, Twin, fallback};
 use crate::raymarch::{Counts, Samples};
 use glam::DVec3;
@@ -27,6 +27,24 @@ impl Default for Options {
         Self {
             rounding: Rounding::EXACT,
             skip: true,
+        }
+    }
+}
+
+impl Options {
+    /// Map values are rounded as the method's `storage` says, all else is exact.
+    pub fn stored(setup: &MethodSetup) -> Self {
+        let storage = match setup.params.choice("storage") {
+            Ok("f16") => Format::F16,
+            Ok(_) => Format::F32,
+            Err(_) => Format::F64,
+        };
+        Self {
+            rounding: Rounding {
+                storage,
+                ..Rounding::EXACT
+            },
+            ..Self::default()
         }
     }
 }

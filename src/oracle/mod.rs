@@ -22,11 +22,14 @@ mod light;
 mod map;
 mod march;
 mod noise;
+mod probe;
 mod procedural;
+mod reference;
 mod texture;
 mod way;
 
 pub use light::{Occlusion, Options};
+pub use reference::truth;
 pub use texture::Filter;
 
 use crate::error::{Error, Result};

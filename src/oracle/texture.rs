@@ -14,6 +14,16 @@ pub enum Filter {
     EightBit,
 }
 
+impl Filter {
+    /// In records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::EightBit => "8 bit",
+        }
+    }
+}
+
 /// An RGBA texture of 8 bits a channel, periodic, linearly interpolated; texel centres at (i + ½)/N.
 pub(super) struct Texture {
     filter: Filter,

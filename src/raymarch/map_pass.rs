@@ -104,13 +104,7 @@ impl MapTexture {
             "map",
             rectangle.uniform(resolution, setup.params.int("steps")?),
         );
-        let texels = u64::from(resolution).pow(2);
-        let value_bytes = if storage == "f16" { 2 } else { 4 };
-        let memory = Memory {
-            payload_bytes: u64::from(values) * value_bytes * texels,
-            map_bytes: u64::from(layers) * u64::from(format.bytes) * texels,
-            allocator_bytes: None,
-        };
+        let memory = format.memory(values, storage, resolution);
         Ok(Self {
             texture,
             format,

@@ -10,6 +10,7 @@ pub mod reference;
 mod view;
 
 pub use cost::{Counts, Memory, PassTimes, Samples};
+pub use light_map::planned_memory;
 pub use map_texels::MapTexels;
 pub use prepared::Prepared;
 pub use view::View;

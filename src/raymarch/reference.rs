@@ -25,20 +25,10 @@ pub struct Truth {
     pub cost: TruthCost,
     /// Read from the disk.
     pub cached: bool,
+    /// Seconds that this call spent in passes, counting included; 0 from the cache.
+    pub passes_s: f64,
     /// What went wrong with the cache, for the person who runs the batch; the truth itself is good.
     pub note: Option<String>,
-}
-
-impl Truth {
-    /// Seconds that this call spent in passes: 0 from the cache. Counting takes as long as rendering.
-    pub fn passes_s(&self) -> f64 {
-        let renders = match self.cached {
-            true => 0.0,
-            false if self.cost.samples.is_some() => 2.0,
-            false => 1.0,
-        };
-        renders * self.cost.wall_ms * 1e-3
-    }
 }
 
 /// What rendering a truth took.
@@ -50,6 +40,16 @@ pub struct TruthCost {
     pub wall_ms: f64,
     /// Density samples; `None` when nobody asked for them.
     pub samples: Option<Samples>,
+}
+
+/// A truth that was just rendered.
+pub struct Made {
+    /// The picture.
+    pub frame: Frame,
+    /// What rendering took.
+    pub cost: TruthCost,
+    /// Seconds spent in passes, counting included.
+    pub passes_s: f64,
 }
 
 /// Whether the density samples of a truth are wanted: counting them takes a second render.
@@ -86,15 +86,30 @@ pub fn truth(
     progress: Progress,
 ) -> Result<Truth> {
     let id = truth_id(renderer, view);
+    cached(id, view.image, cache, counting, || {
+        render(renderer, view, counting, progress)
+    })
+}
+
+/// The truth named `id`, a hash of everything that determines it: from `cache` when a whole entry is there, else what
+/// `render` makes, which is then kept.
+pub fn cached(
+    id: String,
+    image: ImageSize,
+    cache: Option<&Path>,
+    counting: Counting,
+    render: impl FnOnce() -> Result<Made>,
+) -> Result<Truth> {
     let mut note = None;
     if let Some(folder) = cache {
-        match read(folder, &id, view.image) {
+        match read(folder, &id, image) {
             Ok(Some((frame, cost))) if cost.samples.is_some() || counting == Counting::Off => {
                 return Ok(Truth {
                     id,
                     frame,
                     cost,
                     cached: true,
+                    passes_s: 0.0,
                     note,
                 });
             }
@@ -106,7 +121,8 @@ pub fn truth(
             }
         }
     }
-    let (frame, cost) = render(renderer, view, counting, progress)?;
+    let made = render()?;
+    let (frame, cost) = (made.frame, made.cost);
     if let Some(folder) = cache
         && let Err(problem) = write(folder, &id, &frame, &cost)
     {
@@ -117,6 +133,7 @@ pub fn truth(
         frame,
         cost,
         cached: false,
+        passes_s: made.passes_s,
         note,
     })
 }
@@ -126,18 +143,19 @@ fn render(
     view: &View,
     counting: Counting,
     progress: Progress,
-) -> Result<(Frame, TruthCost)> {
+) -> Result<Made> {
     let setup =
         MethodSetup::defaults("truth")?.with("step_m", &view.scene.truth_step_m().to_string())?;
     let times = renderer
         .prepare(view, &setup)?
         .run(&renderer.gpu, progress)?;
     let frame = view.read(&renderer.gpu)?;
+    let mut wall_ms = times.wall;
     let samples = match counting {
         Counting::Off => None,
         Counting::On => {
             let counting = renderer.prepare_counting(view, &setup)?;
-            counting.run(&renderer.gpu, progress)?;
+            wall_ms += counting.run(&renderer.gpu, progress)?.wall;
             Some(counting.counts(&renderer.gpu)?.samples)
         }
     };
@@ -146,7 +164,11 @@ fn render(
         wall_ms: times.wall,
         samples,
     };
-    Ok((frame, cost))
+    Ok(Made {
+        frame,
+        cost,
+        passes_s: wall_ms * 1e-3,
+    })
 }
 
 fn truth_id(renderer: &Renderer, view: &View) -> String {

@@ -1,6 +1,6 @@
 //! `cells.csv`: one row a cell, every scalar of the record under its dotted name.
 
-use crate::batch::record::{Measured, Report, Times};
+use crate::batch::record::{Decomposition, Measured, Report, Times};
 use crate::error::{Error, Result};
 use crate::metrics::{ErrorNumbers, Stats};
 use crate::raymarch::{Memory, Samples};
@@ -112,6 +112,12 @@ fn measurements() -> Vec<String> {
             psnr_db: Some(0.0),
             ..ErrorNumbers::default()
         },
+        decomposition: Some(Decomposition {
+            ample_steps: Some(0),
+            ample_resolution: Some(0),
+            noise_filter: Some(String::new()),
+            ..Decomposition::default()
+        }),
         notes: Vec::new(),
         files: Map::new(),
     };

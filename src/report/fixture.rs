@@ -1,7 +1,9 @@
 //! A made-up report for the tests: two scenes, two suns, six methods, a failed cell, a cell without times, a picture
 //! that is not there, and names that try to break out of the page.
 
-use crate::batch::record::{Cell, Measured, Reference, Report, SCHEMA, Times, WallClock};
+use crate::batch::record::{
+    Cell, Decomposition, Measured, Reference, Report, SCHEMA, Times, WallClock,
+};
 use crate::gpu::Environment;
 use crate::metrics::{ErrorNumbers, Stats};
 use crate::raymarch::{Memory, Samples};
@@ -136,6 +138,7 @@ fn references() -> Vec<Reference> {
                 sun_elevation_deg: *sun,
                 image: IMAGE,
                 march_ms: (s == 0 || l == 0).then_some(28_134.5 * (1.0 + 0.2 * s as f64)),
+                wall_ms: (s == 0 || l == 0).then_some(28_140.0 * (1.0 + 0.2 * s as f64)),
                 light_samples: Some(3_812_345_678),
                 view_samples: Some(12_345_678),
                 cached: l == 1,
@@ -203,6 +206,16 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
                 map: values * 1000,
             },
             error: errors(rel_rmse, *values > 0),
+            decomposition: (scene == HOSTILE).then(|| Decomposition {
+                model_rel_rmse: 0.8 * rel_rmse,
+                sampling_rel_rmse: 0.3 * rel_rmse,
+                precision_rel_rmse: 3e-4 * rel_rmse,
+                storage_rel_rmse: 2e-4 * rel_rmse,
+                truth_rel_rmse: 2e-5,
+                ample_steps: Some(400),
+                ample_resolution: (*values > 0).then_some(2 * texels.isqrt() as u32),
+                noise_filter: Some("8 bit".into()),
+            }),
             notes: Vec::new(),
             files: map(json!({
                 "png": format!("images/cell-{index}.png"), "diff_png": format!("images/cell-{index}-diff.png"),

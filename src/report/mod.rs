@@ -32,19 +32,21 @@ mod tests;
 
 use crate::batch::record::Report;
 use crate::error::Result;
+use crate::probe::Probe;
 use std::path::{Path, PathBuf};
 
 pub use pareto::frontier;
 pub use style::{Marker, Style};
 
 /// First words of the file names that mark the files in `charts/` as the report's own.
-const FIGURES: [&str; 6] = [
+const FIGURES: [&str; 7] = [
     "error-time",
     "error-bytes",
     "error-steps",
     "time",
     "memory",
     "methods",
+    "three-errors",
 ];
 
 /// Writes `report.json`, `cells.csv`, `charts/*.svg`, the contact sheets `charts/methods-*.png` and `index.html` into
@@ -71,4 +73,11 @@ pub fn write(folder: &Path, report: &Report) -> Result<PathBuf> {
         page::html(folder, &view, &charts, &sheets).as_bytes(),
     )?;
     Ok(page)
+}
+
+/// Writes the chart of `probe` to `svg` and its table beside it as `.csv`; see [`Probe`]. `of` says which scene and column
+/// it is, `seen_m` is the depth of the pixel's point, if a pixel was asked for.
+pub fn write_probe(svg: &Path, probe: &Probe, of: &str, seen_m: Option<f64>) -> Result<()> {
+    files::write(&svg.with_extension("csv"), probe.csv().as_bytes())?;
+    files::write(svg, charts::probe::draw(probe, of, seen_m)?.as_bytes())
 }

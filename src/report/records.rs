@@ -61,7 +61,7 @@ fn fail_non_finite(cell: &mut Cell) {
 }
 
 /// Fields a record may leave empty: their `null` is no failure.
-const OPTIONAL: [&str; 9] = [
+const OPTIONAL: [&str; 12] = [
     "memory.allocator_bytes",
     "time_ms.generate",
     "time_ms.march",
@@ -71,6 +71,9 @@ const OPTIONAL: [&str; 9] = [
     "error.flicker",
     "error.flicker_sun",
     "error.psnr_db",
+    "decomposition.ample_steps",
+    "decomposition.ample_resolution",
+    "decomposition.noise_filter",
 ];
 
 fn nulls(value: &Value, name: &str, out: &mut Vec<String>) {

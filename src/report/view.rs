@@ -1,7 +1,8 @@
 //! The records arranged for a reader: comparable cells together, settings in few words.
 
 use super::format::shorten;
-use crate::batch::record::{Cell, Measured, Reference, Report};
+use crate::batch::record::{Cell, Clock, Measured, Reference, Report};
+use crate::metrics::Stats;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
@@ -12,16 +13,21 @@ pub struct Shot<'a> {
     pub cell: &'a Cell,
     /// Its numbers.
     pub numbers: &'a Measured,
+    /// Clock of the report.
+    pub clock: Clock,
 }
 
 impl Shot<'_> {
-    /// Median total time, ms.
-    pub fn total_ms(&self) -> Option<f64> {
-        self.numbers
-            .time_ms
-            .total
-            .map(|t| t.median)
-            .filter(|t| *t > 0.0)
+    /// Time of one picture by the report's clock, ms.
+    pub fn time(&self) -> Option<Stats> {
+        self.clock
+            .cost(&self.numbers.time_ms)
+            .filter(|t| t.median > 0.0)
+    }
+
+    /// Its median.
+    pub fn time_ms(&self) -> Option<f64> {
+        self.time().map(|t| t.median)
     }
 
     /// Relative error against the truth.
@@ -49,6 +55,8 @@ pub struct Case<'a> {
     pub cells: Vec<&'a Cell>,
     /// The truth it is compared with.
     pub reference: Option<&'a Reference>,
+    /// Clock of the report.
+    pub clock: Clock,
 }
 
 impl<'a> Case<'a> {
@@ -60,6 +68,7 @@ impl<'a> Case<'a> {
                 Some(Shot {
                     cell,
                     numbers: cell.result.as_ref()?,
+                    clock: self.clock,
                 })
             })
             .collect()
@@ -118,7 +127,15 @@ impl<'a> View<'a> {
     /// Adapter name and device type, for the caption of every table and chart.
     pub fn adapter(&self) -> String {
         let e = &self.report.environment;
+        if e.is_oracle() {
+            return format!("{}, {}", e.adapter, e.driver);
+        }
         format!("{} ({}, {})", e.adapter, e.device_type, e.backend)
+    }
+
+    /// `total` or `wall`: the clock that times of cells are taken from.
+    pub fn clock(&self) -> Clock {
+        self.report.clock()
     }
 
     /// Parameters of `method` that take more than one value in this report.
@@ -209,6 +226,7 @@ fn cases(report: &Report) -> Vec<Case<'_>> {
             None => groups.push(vec![cell]),
         }
     }
+    let clock = report.clock();
     let firsts: Vec<&Cell> = groups.iter().map(|g| g[0]).collect();
     groups
         .into_iter()
@@ -224,6 +242,7 @@ fn cases(report: &Report) -> Vec<Case<'_>> {
                 slug(&cells[0].sun_elevation_deg.to_string())
             ),
             reference: reference(report, &cells),
+            clock,
             cells,
         })
         .collect()

@@ -10,12 +10,42 @@ use occlab::scene::ImageSize;
 use occlab::scene::{
     Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Volume,
 };
+use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Mutex, OnceLock};
 
 type Job = Box<dyn FnOnce(&Renderer) + Send>;
+
+/// Ends a test that needs an adapter where there is none; see [`no_adapter`].
+#[allow(unused_macros, reason = "each test binary uses its own part")]
+macro_rules! needs_adapter {
+    () => {
+        if common::no_adapter() {
+            return;
+        }
+    };
+}
+
+/// Says by name that the running test is skipped, where this machine has no adapter; with OCCLAB_REQUIRE_GPU=1, as CI
+/// sets it, the test fails instead.
+pub fn no_adapter() -> bool {
+    static NONE: OnceLock<bool> = OnceLock::new();
+    let none = *NONE.get_or_init(|| occlab::gpu::list_adapters().is_empty());
+    if none {
+        let thread = std::thread::current();
+        let name = thread.name().unwrap_or("a test").to_owned();
+        let required = std::env::var_os("OCCLAB_REQUIRE_GPU").is_some_and(|v| v == "1");
+        assert!(
+            !required,
+            "OCCLAB_REQUIRE_GPU is set and there is no adapter"
+        );
+        // Not println!, which the test harness keeps to itself when a test passes.
+        let _ = writeln!(std::io::stderr(), "skipped: no adapter: {name}");
+    }
+    none
+}
 
 /// Runs `job` on the binary's only renderer, which lives on a thread of its own and keeps its compiled kernels.
 pub fn on_gpu<R: Send + 'static>(job: impl FnOnce(&Renderer) -> R + Send + 'static) -> R {

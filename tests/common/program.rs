@@ -15,6 +15,12 @@ pub fn occlab(folder: &Path) -> Command {
     command
 }
 
+/// Hides every driver from the program.
+pub fn without_adapter(command: &mut Command) -> &mut Command {
+    let hidden = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].map(|name| (name, "/nonexistent"));
+    command.envs(hidden)
+}
+
 pub fn scene() -> Value {
     json!({
         "name": "slab",

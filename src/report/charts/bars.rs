@@ -1,4 +1,4 @@
-//! Total time of each cell, split into map and march.
+//! Time of each cell, split into map and march where a device timed them.
 
 use super::super::format::ms;
 use super::super::style::Style;
@@ -6,6 +6,7 @@ use super::super::view::{Case, Shot, View};
 use super::axis::Axis;
 use super::canvas::{Canvas, Hang, INK, MUTED, SMALL, ink_of, sheet};
 use super::plot::{Key, Plot, caption, legend, room_for_rows, row_label, title};
+use crate::batch::record::Clock;
 use crate::error::Result;
 use plotters::style::{Color as _, WHITE};
 
@@ -14,12 +15,12 @@ const ROW: i32 = 23;
 /// Rows a chart may have before only the fastest are shown.
 const MOST: usize = 60;
 
-/// Total times as bars; `None` when no cell has a time.
+/// Times as bars; `None` when no cell has a time.
 pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     let mut shots: Vec<Shot<'_>> = case
         .shots()
         .into_iter()
-        .filter(|s| s.total_ms().is_some())
+        .filter(|s| s.time_ms().is_some())
         .collect();
     if shots.is_empty() {
         return Ok(None);
@@ -27,14 +28,13 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     let all = shots.len();
     if all > MOST {
         shots.sort_by(|a, b| {
-            a.total_ms()
-                .partial_cmp(&b.total_ms())
+            a.time_ms()
+                .partial_cmp(&b.time_ms())
                 .unwrap_or(std::cmp::Ordering::Equal)
         });
         shots.truncate(MOST);
     }
-    let mut note =
-        "Bars and numbers: medians. Whiskers: smallest to 95th percentile of the total.".to_owned();
+    let mut note = "Bars and numbers: medians. Whiskers: smallest to 95th percentile.".to_owned();
     if all > MOST {
         note = format!(
             "The {MOST} fastest of {all} cells, the table has the rest. Whiskers: min to 95th percentile."
@@ -43,16 +43,22 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     let height = 190 + ROW * shots.len() as i32;
     let svg = sheet(height, |canvas| {
         let top = title(canvas, "Time of each cell", &case.short_name)?;
-        let keys = [
-            (Key::Swatch(INK, 0.25), "making the map (pale)".to_owned()),
-            (Key::Swatch(INK, 1.0), "view march (full)".to_owned()),
-        ];
+        let keys = match view.clock() {
+            Clock::Device => vec![
+                (Key::Swatch(INK, 0.25), "making the map (pale)".to_owned()),
+                (Key::Swatch(INK, 1.0), "view march (full)".to_owned()),
+            ],
+            Clock::Wall => vec![(
+                Key::Swatch(INK, 1.0),
+                "map and view march: their parts have no times".to_owned(),
+            )],
+        };
         let top = legend(canvas, top, &keys)?;
         let reach = shots
             .iter()
-            .filter_map(|s| s.numbers.time_ms.total)
+            .filter_map(Shot::time)
             .map(|t| t.p95.max(t.median) * 1.16);
-        let axis = Axis::from_zero("time of one picture (ms)", reach);
+        let axis = Axis::from_zero(&time_title(view.clock()), reach);
         let labels: Vec<String> = shots.iter().map(|s| view.short(s.cell)).collect();
         let left = room_for_rows(canvas, labels.iter().map(String::as_str))?;
         let plot = Plot::new(top, height, left, axis.clone(), axis);
@@ -69,13 +75,19 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     Ok(Some(svg))
 }
 
+fn time_title(clock: Clock) -> String {
+    format!("{} time of one picture (ms)", clock.name())
+}
+
 fn draw_row(canvas: &Canvas<'_>, plot: &Plot, shot: &Shot<'_>, y: i32) -> Result<()> {
-    let times = &shot.numbers.time_ms;
-    let Some(total) = times.total else {
+    let Some(total) = shot.time() else {
         return Ok(());
     };
     let color = ink_of(Style::of(&shot.cell.method));
-    let map = times.generate.map_or(0.0, |t| t.median);
+    let map = match shot.clock {
+        Clock::Device => shot.numbers.time_ms.generate.map_or(0.0, |t| t.median),
+        Clock::Wall => 0.0,
+    };
     let (start, split, end) = (plot.px(0.0), plot.px(map), plot.px(total.median));
     if split > start {
         canvas.rect([(start, y - 7), (split.min(end), y + 7)], color.mix(0.25))?;

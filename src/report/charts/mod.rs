@@ -3,9 +3,11 @@
 mod axis;
 mod bars;
 pub mod canvas;
+mod errors;
 mod labels;
 mod memory;
 mod plot;
+pub mod probe;
 mod scatter;
 mod steps;
 
@@ -48,6 +50,11 @@ pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
                 steps::draw(view, case)?,
             ),
             ("time", "Time of each cell", bars::draw(view, case)?),
+            (
+                "three-errors",
+                "Three errors of each cell",
+                errors::draw(view, case)?,
+            ),
         ];
         for (kind, what, svg) in drawn {
             out.extend(svg.map(|svg| Chart {

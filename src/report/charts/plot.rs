@@ -94,9 +94,15 @@ pub const MAP_DASH: &[f64] = &[2.0, 3.0];
 
 /// Draws the two lines at the foot: adapter with device type, then what the marks mean.
 pub fn caption(canvas: &Canvas<'_>, view: &View<'_>, height: i32, note: &str) -> Result<()> {
+    let adapter = format!("Measured on {}", view.adapter());
+    foot(canvas, &adapter, height, note)
+}
+
+/// Two lines at the foot: where the numbers come from, and a note.
+pub fn foot(canvas: &Canvas<'_>, source: &str, height: i32, note: &str) -> Result<()> {
     let room = WIDTH - 2 * MARGIN;
-    let adapter = canvas.fit(&format!("Measured on {}", view.adapter()), SMALL, room)?;
-    canvas.text((MARGIN, height - 32), &adapter, SMALL, MUTED, Hang::Right)?;
+    let source = canvas.fit(source, SMALL, room)?;
+    canvas.text((MARGIN, height - 32), &source, SMALL, MUTED, Hang::Right)?;
     let note = canvas.fit(note, SMALL, room)?;
     canvas.text((MARGIN, height - 14), &note, SMALL, MUTED, Hang::Right)
 }

@@ -21,11 +21,11 @@ struct Dot<'a> {
     y: f64,
 }
 
-/// Error against total time; `None` when no cell has a time.
+/// Error against time; `None` when no cell has a time.
 pub fn error_time(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     let dot = |s: &Shot<'_>| {
-        let total = s.numbers.time_ms.total?;
-        Some((s.total_ms()?, Some((total.min, total.p95))))
+        let time = s.time()?;
+        Some((time.median, Some((time.min, time.p95))))
     };
     let dots = dots(view, case, dot);
     if dots.is_empty() {
@@ -36,7 +36,10 @@ pub fn error_time(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
         .flat_map(|d| [Some(d.x), d.spread.map(|s| s.0), d.spread.map(|s| s.1)])
         .flatten();
     let axis = Axis::log(
-        "total time of one picture (ms, median, log)",
+        &format!(
+            "{} time of one picture (ms, median, log)",
+            view.clock().name()
+        ),
         "0",
         reach.filter(|v| *v > 0.0),
     );

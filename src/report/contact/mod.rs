@@ -91,7 +91,7 @@ fn tiles(folder: &Path, view: &View<'_>, case: &Case<'_>) -> Vec<Tile> {
         numbers: format!(
             "rel_rmse {} · {} · {}",
             number(shot.rel_rmse()),
-            ms(shot.total_ms()),
+            ms(shot.time_ms()),
             map_size(shot.numbers.memory.map_bytes)
         ),
         picture: read(&shot.numbers.files, "png"),

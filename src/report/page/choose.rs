@@ -22,7 +22,7 @@ impl<'a> Offer<'a> {
         Self {
             shot,
             rel_rmse: shot.rel_rmse(),
-            total_ms: shot.total_ms(),
+            total_ms: shot.time_ms(),
             map_bytes: shot.numbers.memory.map_bytes,
         }
     }
@@ -30,7 +30,7 @@ impl<'a> Offer<'a> {
     /// The worse of two views, number by number; a time that is missing in one is missing.
     fn worse(mut self, other: &Shot<'_>) -> Self {
         self.rel_rmse = self.rel_rmse.max(other.rel_rmse());
-        self.total_ms = self.total_ms.zip(other.total_ms()).map(|(a, b)| a.max(b));
+        self.total_ms = self.total_ms.zip(other.time_ms()).map(|(a, b)| a.max(b));
         self.map_bytes = self.map_bytes.max(other.numbers.memory.map_bytes);
         self
     }
@@ -67,14 +67,14 @@ pub fn section(view: &View<'_>) -> Markup {
     let timed = view
         .cases
         .iter()
-        .any(|c| c.shots().iter().any(|s| s.total_ms().is_some()));
+        .any(|c| c.shots().iter().any(|s| s.time_ms().is_some()));
     html! {
         section #which {
             h2 { "Which method?" }
             @if timed {
                 p { "For an error you can accept, the fastest setting that keeps it. " (MEANING) }
             } @else {
-                p.notice { "Times are n/a: the adapter gives no timestamps." }
+                p.notice { "No cell has a time." }
                 p { "For an error you can accept, the setting with the smallest map that keeps it. " (MEANING) }
             }
             (by_error(view))
@@ -116,7 +116,7 @@ fn by_error(view: &View<'_>) -> Markup {
         @if view.cases.len() > 1 { (row(EVERY_VIEW, &everywhere(&view.cases))) }
     };
     let caption = html! {
-        "Median time of one picture, bytes of the map."
+        "Median " (view.clock().name()) " time of one picture, bytes of the map."
         @if view.cases.len() > 1 { " Last row: one setting for all views, by its worst error and time." }
     };
     parts::table(view, caption, "answers totals", head, body)
@@ -138,7 +138,7 @@ fn answer(view: &View<'_>, offers: &[Offer<'_>], limit: f64) -> Markup {
 /// The form that works with the script, and is hidden without it. The script takes the cells from the table of all.
 fn by_budget(view: &View<'_>) -> Markup {
     let shots: Vec<Shot<'_>> = view.cases.iter().flat_map(Case::shots).collect();
-    let mut times: Vec<f64> = shots.iter().filter_map(Shot::total_ms).collect();
+    let mut times: Vec<f64> = shots.iter().filter_map(Shot::time_ms).collect();
     times.sort_by(f64::total_cmp);
     let usual = times.get(times.len() / 2).map(|t| two_digits(*t));
     let mut sizes = distinct(shots.iter().map(|s| s.numbers.memory.map_bytes));

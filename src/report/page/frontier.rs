@@ -24,17 +24,17 @@ pub fn of_case(view: &View<'_>, case: &Case<'_>) -> Markup {
 }
 
 fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
-    let timed: Vec<&Shot<'_>> = shots.iter().filter(|s| s.total_ms().is_some()).collect();
+    let timed: Vec<&Shot<'_>> = shots.iter().filter(|s| s.time_ms().is_some()).collect();
     if timed.is_empty() {
-        return html! { p.notice { "Times are n/a: the adapter gives no timestamps." } };
+        return html! { p.notice { "No cell has a time." } };
     }
     let points: Vec<_> = timed
         .iter()
-        .map(|s| (s.total_ms().unwrap_or(f64::INFINITY), s.rel_rmse()))
+        .map(|s| (s.time_ms().unwrap_or(f64::INFINITY), s.rel_rmse()))
         .collect();
     let untimed = shots.len() - timed.len();
     let caption = html! {
-        "Smallest error for a given time."
+        "Smallest error for a given " (view.clock().name()) " time."
         @if untimed > 0 { " Without " (parts::plural(untimed, "cell")) " whose time is n/a." }
     };
     let head = html! {
@@ -44,7 +44,7 @@ fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
     };
     let body = html! {
         @for shot in frontier(&points).into_iter().map(|i| timed[i]) {
-            @let total = shot.numbers.time_ms.total.unwrap_or_default();
+            @let total = shot.time().unwrap_or_default();
             tr {
                 td.n { strong { (number(total.median)) } br; span.unit { (number(total.min)) "–" (number(total.p95)) } }
                 (cells(view, shot))
@@ -81,7 +81,7 @@ fn by_memory(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
             tr.divided[i == best.len()] {
                 td.n { strong { (map_size(shot.numbers.memory.map_bytes)) } }
                 (cells(view, shot))
-                td.n { (ms(shot.total_ms())) }
+                td.n { (ms(shot.time_ms())) }
             }
         }
     };

@@ -2,6 +2,7 @@
 
 mod album;
 mod choose;
+mod errors;
 mod figures;
 mod frontier;
 mod parts;
@@ -36,6 +37,7 @@ pub fn html(folder: &Path, view: &View<'_>, charts: &[Chart], sheets: &[Sheet]) 
                     (tail::failures(view))
                     (choose::section(view))
                     (pictures::section(view, &mut album, sheets))
+                    (errors::section(view, &mut album))
                     (figures::section(view, charts))
                     (table::section(view, &album))
                     (tail::claims(view))
@@ -71,7 +73,9 @@ fn headline(view: &View<'_>, name: &str) -> Markup {
             p.kicker { "occlab · how clouds shadow themselves" }
             h1 { (name) }
             p.adapter {
-                "Measured on " strong { (environment.adapter) } " · " (environment.device_type) " · " (environment.backend)
+                "Measured on " strong { (environment.adapter) }
+                @if environment.is_oracle() { " · " (environment.driver) }
+                @else { " · " (environment.device_type) " · " (environment.backend) }
             }
             p {
                 (parts::plural(cells.len(), "cell")) ": " (parts::plural(methods.len(), "method")) " on "
@@ -80,7 +84,13 @@ fn headline(view: &View<'_>, name: &str) -> Markup {
                 @else { "None failed." }
             }
             ul.methods { @for method in &methods { li { (parts::method(method)) } } }
-            @if environment.device_type.eq_ignore_ascii_case("cpu") {
+            @if environment.is_oracle() {
+                p.note {
+                    "No adapter was used: the oracle rendered these pictures in f64 on the processor, each cell once. Stored "
+                    "values of maps are rounded as " code { "storage" } " says, nothing else is. Times are wall times of "
+                    "this processor and say nothing of a graphics processor; bytes of maps are what a device would allocate."
+                }
+            } @else if environment.device_type.eq_ignore_ascii_case("cpu") {
                 p.note {
                     "The times come from a software adapter. On a graphics processor the methods may rank differently; "
                     "errors should differ by rounding alone, which has not been measured here."

@@ -67,7 +67,11 @@ fn truth(case: &Case<'_>, album: &mut Album) -> Markup {
             figcaption {
                 p { (parts::method("truth")) }
                 dl.numbers {
-                    dt { "march" } dd { (ms(case.reference.and_then(|r| r.march_ms))) }
+                    @let times = case.reference.map(|r| (r.march_ms, r.wall_ms)).unwrap_or_default();
+                    @match times {
+                        (None, Some(wall_ms)) => { dt { "wall" } dd { (ms(Some(wall_ms))) } }
+                        (march_ms, _) => { dt { "march" } dd { (ms(march_ms)) } }
+                    }
                     @if case.reference.is_some_and(|r| r.cached) { dt { "source" } dd { "cache" } }
                 }
                 (color_bar(case))
@@ -122,14 +126,14 @@ fn numbers(shot: &Shot<'_>) -> Markup {
             dt { "rel_rmse" } dd { (number(error.rel_rmse)) }
             dt { "leak" } dd { (signed_percent(error.leak)) }
             dt { "darken" } dd { (signed_percent(error.darken)) }
-            dt { "time" } dd { (ms(shot.total_ms())) }
+            dt { "time" } dd { (ms(shot.time_ms())) }
             dt { "map" } dd { (map_size(shot.numbers.memory.map_bytes)) }
         }
     }
 }
 
 /// A picture, or a visible notice in its place.
-fn image(picture: &Picture, name: &str, class: &str) -> Markup {
+pub fn image(picture: &Picture, name: &str, class: &str) -> Markup {
     match picture {
         Picture::Embedded { uri, link, size } => html! {
             a.frame href=(link) {

@@ -7,7 +7,7 @@ use super::parts::{self, cell, heading};
 use maud::{Markup, html};
 
 /// Columns with their units, in order.
-const COLUMNS: [(&str, &str); 36] = [
+const COLUMNS: [(&str, &str); 37] = [
     ("#", ""),
     ("Scene", ""),
     ("Sun", "°"),
@@ -36,6 +36,7 @@ const COLUMNS: [(&str, &str); 36] = [
     ("Map pass", "ms"),
     ("March", "ms"),
     ("Wall", "ms"),
+    ("Wall n", ""),
     ("Map", "bytes"),
     ("Payload", "bytes"),
     ("Allocator", "bytes"),
@@ -80,7 +81,7 @@ fn row(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &Album) -> Mark
         .and_then(|n| album.link(n));
     html! {
         tr data-view=(case.number) data-setting=(setting_key(shot)) data-error=(shot.rel_rmse())
-            data-ms=[shot.total_ms()] data-bytes=(shot.numbers.memory.map_bytes) {
+            data-ms=[shot.time_ms()] data-bytes=(shot.numbers.memory.map_bytes) {
             td.n data-v=(shot.cell.index) { (shot.cell.index) }
             td title=(case.name) { (case.name) }
             td.n data-v=(shot.cell.sun_elevation_deg) { (shot.cell.sun_elevation_deg) }
@@ -131,6 +132,7 @@ fn times(shot: &Shot<'_>) -> Markup {
         (cell(t.generate.map(|s| s.median), number))
         (cell(t.march.map(|s| s.median), number))
         (cell(t.wall.map(|s| s.median), number))
+        (cell(t.wall.map(|s| s.n as f64), |n| n.to_string()))
     }
 }
 

@@ -1,0 +1,167 @@
+//! Who renders: a device, or the f64 oracle where there is none. Batch and command line know one way through both:
+//! [`Backend::view`] → [`Backend::prepare`] → [`Prepared::run`] → picture, times, counts, memory.
+//!
+//! What differs on the oracle, and is said in its [`Environment`]: only wall times exist; a picture repeats bit for bit,
+//! so it is rendered once; stored map values are rounded as the method's `storage` says, everything else is f64; bytes of
+//! maps are those that a device would allocate.
+
+mod prepared;
+
+pub use prepared::Prepared;
+
+use crate::error::Result;
+use crate::frame::Frame;
+use crate::gpu::{Environment, Gpu, host, list_adapters, program};
+use crate::occlusion::MethodSetup;
+use crate::oracle::{self, Oracle};
+use crate::raymarch::reference::{self, Counting, Truth};
+use crate::raymarch::{self, PassTimes, Progress, Renderer};
+use crate::scene::{ImageSize, Scene};
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+
+/// What a user may ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Choice {
+    /// A device; the oracle where this machine has no adapter at all.
+    #[default]
+    Auto,
+    /// A device, or an error that names what to install.
+    Gpu,
+    /// The oracle.
+    Cpu,
+}
+
+/// Renders views.
+pub enum Backend {
+    /// On a device.
+    Device(Renderer),
+    /// In f64 on the CPU.
+    Oracle(OracleBackend),
+}
+
+/// The oracle as a backend; consecutive views of one density share its field.
+#[derive(Default)]
+pub struct OracleBackend {
+    last: RefCell<Option<Rc<Oracle>>>,
+}
+
+/// A scene made ready, seen at one image size.
+pub struct View {
+    /// The scene.
+    pub scene: Scene,
+    /// Picture size.
+    pub image: ImageSize,
+    kind: ViewKind,
+}
+
+enum ViewKind {
+    Device(raymarch::View),
+    Oracle(Rc<Oracle>),
+}
+
+impl Backend {
+    /// The backend of `choice`; `adapter` is part of a device's name, and asking for one rules the oracle out.
+    pub fn open(choice: Choice, adapter: Option<&str>) -> Result<Self> {
+        let fall_back = choice == Choice::Auto && adapter.is_none() && list_adapters().is_empty();
+        if choice == Choice::Cpu || fall_back {
+            return Ok(Self::Oracle(OracleBackend::default()));
+        }
+        Ok(Self::Device(Renderer::new(Gpu::new(adapter)?)))
+    }
+
+    /// Is it the oracle?
+    pub fn is_oracle(&self) -> bool {
+        matches!(self, Self::Oracle(_))
+    }
+
+    /// For records.
+    pub fn environment(&self) -> Environment {
+        match self {
+            Self::Device(renderer) => renderer.gpu.environment(),
+            Self::Oracle(_) => Environment {
+                adapter: "oracle (f64, CPU)".to_owned(),
+                driver: format!("{} threads, one run a cell", rayon::current_num_threads()),
+                backend: Environment::ORACLE.to_owned(),
+                device_type: "Cpu".to_owned(),
+                commit: program(),
+                host: host(),
+            },
+        }
+    }
+
+    /// Seconds spent composing and compiling shaders so far.
+    pub fn compile_s(&self) -> f64 {
+        match self {
+            Self::Device(renderer) => renderer.gpu.compile_s(),
+            Self::Oracle(_) => 0.0,
+        }
+    }
+
+    /// Rounds to discard and rounds that count, of those an experiment asks for. The oracle has no pipelines to warm and
+    /// its pictures repeat bit for bit: one round says all but the spread of its wall time.
+    pub fn rounds(&self, discard: u32, runs: u32) -> (u32, u32) {
+        match self {
+            Self::Device(_) => (discard, runs),
+            Self::Oracle(_) => (0, 1),
+        }
+    }
+
+    /// Makes a scene ready for pictures of one size.
+    pub fn view(&self, scene: &Scene, image: ImageSize) -> Result<View> {
+        let kind = match self {
+            Self::Device(renderer) => ViewKind::Device(renderer.view(scene, image)?),
+            Self::Oracle(oracles) => {
+                let mut last = oracles.last.borrow_mut();
+                let oracle = Rc::new(match &*last {
+                    Some(oracle) => oracle.again(scene, image)?,
+                    None => Oracle::new(scene, image)?,
+                });
+                *last = Some(oracle.clone());
+                ViewKind::Oracle(oracle)
+            }
+        };
+        Ok(View {
+            scene: scene.clone(),
+            image,
+            kind,
+        })
+    }
+
+    /// Makes a method ready in a view of this backend.
+    pub fn prepare<'v>(&'v self, view: &'v View, setup: &MethodSetup) -> Result<Prepared<'v>> {
+        Prepared::new(self, view, setup)
+    }
+
+    /// One picture, start to end.
+    pub fn render(
+        &self,
+        scene: &Scene,
+        image: ImageSize,
+        setup: &MethodSetup,
+        progress: Progress,
+    ) -> Result<(Frame, PassTimes)> {
+        let view = self.view(scene, image)?;
+        let prepared = self.prepare(&view, setup)?;
+        let times = prepared.run(progress)?;
+        Ok((prepared.picture()?, times))
+    }
+
+    /// The truth of a view, from `cache` when a whole entry of this backend is there.
+    pub fn truth(
+        &self,
+        view: &View,
+        cache: Option<&Path>,
+        counting: Counting,
+        progress: Progress,
+    ) -> Result<Truth> {
+        match (self, &view.kind) {
+            (Self::Device(renderer), ViewKind::Device(view)) => {
+                reference::truth(renderer, view, cache, counting, progress)
+            }
+            (_, ViewKind::Oracle(oracle)) => oracle::truth(oracle, cache, progress),
+            (Self::Oracle(_), ViewKind::Device(_)) => Err(prepared::stranger()),
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! A method made ready in a view, on either backend.
+
+use super::{Backend, View, ViewKind};
+use crate::error::{Error, Result};
+use crate::frame::Frame;
+use crate::occlusion::MethodSetup;
+use crate::oracle::{Options, Oracle};
+use crate::raymarch::{self, Counts, Memory, PassTimes, Progress, Renderer, planned_memory};
+use std::cell::RefCell;
+use std::time::Instant;
+
+/// See the module.
+pub struct Prepared<'v> {
+    /// Memory of the method.
+    pub memory: Memory,
+    setup: MethodSetup,
+    kind: Kind<'v>,
+}
+
+enum Kind<'v> {
+    Device {
+        renderer: &'v Renderer,
+        view: &'v raymarch::View,
+        prepared: Box<raymarch::Prepared>,
+    },
+    Oracle {
+        oracle: &'v Oracle,
+        /// What the last run made.
+        made: RefCell<Option<(Frame, Counts)>>,
+    },
+}
+
+/// A view was handed to a backend that did not make it.
+pub(super) fn stranger() -> Error {
+    Error::input(
+        "backend",
+        "a view of a device was given to the oracle, or the reverse",
+        "This is a defect of the program; please report it.",
+    )
+}
+
+impl<'v> Prepared<'v> {
+    pub(super) fn new(backend: &'v Backend, view: &'v View, setup: &MethodSetup) -> Result<Self> {
+        let (memory, kind) = match (backend, &view.kind) {
+            (Backend::Device(renderer), ViewKind::Device(view)) => {
+                let prepared = Box::new(renderer.prepare(view, setup)?);
+                let memory = prepared.memory;
+                let kind = Kind::Device {
+                    renderer,
+                    view,
+                    prepared,
+                };
+                (memory, kind)
+            }
+            (Backend::Oracle(_), ViewKind::Oracle(oracle)) => {
+                // What cannot be prepared is refused here, not in the middle of a round.
+                oracle.prepare(setup, Options::stored(setup))?;
+                let made = RefCell::default();
+                (planned_memory(setup)?, Kind::Oracle { oracle, made })
+            }
+            _ => return Err(stranger()),
+        };
+        Ok(Self {
+            memory,
+            setup: setup.clone(),
+            kind,
+        })
+    }
+
+    /// Renders once. On the oracle the map is marched anew, and only the wall time is known.
+    pub fn run(&self, progress: Progress) -> Result<PassTimes> {
+        match &self.kind {
+            Kind::Device {
+                renderer, prepared, ..
+            } => prepared.run(&renderer.gpu, progress),
+            Kind::Oracle { oracle, made } => {
+                let start = Instant::now();
+                let method = oracle.prepare(&self.setup, Options::stored(&self.setup))?;
+                let result = method.render(progress)?;
+                *made.borrow_mut() = Some(result);
+                Ok(PassTimes {
+                    wall: start.elapsed().as_secs_f64() * 1e3,
+                    ..PassTimes::default()
+                })
+            }
+        }
+    }
+
+    /// The picture of the last run. A device keeps one for each view: ask before another method runs there.
+    pub fn picture(&self) -> Result<Frame> {
+        match &self.kind {
+            Kind::Device { renderer, view, .. } => view.read(&renderer.gpu),
+            Kind::Oracle { made, .. } => match &*made.borrow() {
+                Some((frame, _)) => Ok(frame.clone()),
+                None => Err(unrendered()),
+            },
+        }
+    }
+
+    /// Counts of one picture, and the seconds that counting took: a pass of its own on a device, nothing on the oracle,
+    /// which counts as it renders.
+    pub fn counts(&self, progress: Progress) -> Result<(Counts, f64)> {
+        match &self.kind {
+            Kind::Device { renderer, view, .. } => {
+                let counting = renderer.prepare_counting(view, &self.setup)?;
+                let times = counting.run(&renderer.gpu, progress)?;
+                Ok((counting.counts(&renderer.gpu)?, times.wall * 1e-3))
+            }
+            Kind::Oracle { made, .. } => match &*made.borrow() {
+                Some((_, counts)) => Ok((*counts, 0.0)),
+                None => Err(unrendered()),
+            },
+        }
+    }
+}
+
+fn unrendered() -> Error {
+    Error::input(
+        "backend",
+        "a picture was asked for before it was rendered",
+        "Run the command again; if it repeats, report it as a defect of the program.",
+    )
+}

@@ -1,0 +1,82 @@
+//! The options that name a scene and change it.
+
+use occlab::Error;
+use occlab::config::load_scene;
+use occlab::scene::{Density, ImageSize, Scene};
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+pub struct SceneOptions {
+    /// Scene file, or the name of one in configs/scenes.
+    #[arg(long, short)]
+    pub scene: PathBuf,
+    /// Columns.
+    #[arg(long, default_value_t = 640)]
+    width: u32,
+    /// Rows.
+    #[arg(long, default_value_t = 360)]
+    height: u32,
+    /// Sun elevation in degrees, instead of the scene's.
+    #[arg(long, value_name = "DEG")]
+    sun_elevation: Option<f64>,
+    /// Volume file (.npy), instead of the scene's.
+    #[arg(long, value_name = "FILE")]
+    volume: Option<PathBuf>,
+    /// Seed of the noise, instead of the scene's.
+    #[arg(long)]
+    seed: Option<u32>,
+}
+
+impl SceneOptions {
+    /// Size of the picture.
+    pub fn image(&self) -> occlab::Result<ImageSize> {
+        if self.width == 0 || self.height == 0 {
+            return Err(Error::input(
+                "--width, --height",
+                "a picture needs at least one pixel",
+                "Give positive sizes.",
+            ));
+        }
+        Ok(ImageSize {
+            width: self.width,
+            height: self.height,
+        })
+    }
+
+    /// The scene, changed and valid.
+    pub fn load(&self) -> occlab::Result<Scene> {
+        let named = PathBuf::from("configs/scenes").join(self.scene.with_extension("json"));
+        let path = if !self.scene.exists() && named.exists() {
+            &named
+        } else {
+            &self.scene
+        };
+        let mut scene = load_scene(path)?;
+        if let Some(elevation_deg) = self.sun_elevation {
+            scene.sun.elevation_deg = elevation_deg;
+        }
+        match (&mut scene.density, &self.volume, self.seed) {
+            (Density::Volume(volume), Some(path), _) => volume.path.clone_from(path),
+            (_, Some(_), _) => {
+                return Err(Error::input(
+                    "--volume",
+                    "the scene's density is not a volume",
+                    "Use configs/scenes/volume.json.",
+                ));
+            }
+            (Density::Procedural(p), _, Some(seed)) => p.seed = seed,
+            (_, _, Some(_)) => {
+                return Err(Error::input(
+                    "--seed",
+                    "the scene's density has no noise",
+                    "Leave the option out.",
+                ));
+            }
+            _ => {}
+        }
+        scene
+            .validate()
+            .map_err(|problem| problem.at(&path.display().to_string()))?;
+        Ok(scene)
+    }
+}

@@ -1,0 +1,97 @@
+//! The three errors of decomposed cells: signed pictures beside each other, on one scale.
+
+use super::super::format::{maybe, number};
+use super::super::view::{Case, Shot, View};
+use super::album::Album;
+use super::parts;
+use super::pictures::image;
+use crate::batch::record::Decomposition;
+use maud::{Markup, html};
+
+/// The section; nothing where the experiment asked for no decomposition.
+pub fn section(view: &View<'_>, album: &mut Album) -> Markup {
+    let decomposed = |case: &&Case<'_>| !cells(case).is_empty();
+    let cases: Vec<&Case<'_>> = view.cases.iter().filter(decomposed).collect();
+    if cases.is_empty() {
+        return html! {};
+    }
+    html! {
+        section #errors {
+            h2 { "Three errors" }
+            p {
+                "Each difference from the truth is the sum of three signed pictures: " strong { "model" } ", what the "
+                "encoding cannot say (f64, ample steps and texels, minus the f64 truth); " strong { "sampling" } ", what the "
+                "cell's own steps and texels add (f64); " strong { "precision" } ", the cell's picture minus the f64 one at "
+                "its settings: stored values, f32 arithmetic, and the device's filtering of noise beyond what the f64 "
+                "picture emulates. The pictures add up, their RMSEs do not. All have the scale of the difference pictures."
+            }
+            @for case in cases {
+                article {
+                    h3 { (case.name) }
+                    @for (shot, decomposition) in cells(case) { (row(view, case, &shot, decomposition, album)) }
+                    (table(view, case))
+                }
+            }
+        }
+    }
+}
+
+fn cells<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, &'a Decomposition)> {
+    let parts = |shot: Shot<'a>| Some((shot, shot.numbers.decomposition.as_ref()?));
+    case.shots().into_iter().filter_map(parts).collect()
+}
+
+fn row(
+    view: &View<'_>,
+    case: &Case<'_>,
+    shot: &Shot<'_>,
+    parts_of: &Decomposition,
+    album: &mut Album,
+) -> Markup {
+    let pictures = [
+        ("difference", "diff_png", shot.rel_rmse()),
+        ("model", "model_png", parts_of.model_rel_rmse),
+        ("sampling", "sampling_png", parts_of.sampling_rel_rmse),
+        ("precision", "precision_png", parts_of.precision_rel_rmse),
+    ];
+    html! {
+        p { (parts::method(&shot.cell.method)) " " (parts::setting(view, shot)) }
+        div.sheet style="--columns:4" {
+            @for (name, key, rmse) in pictures {
+                @let alt = format!("{name} of {} of {}", view.short(shot.cell), case.name);
+                figure {
+                    (image(&album.show_if_room(&shot.numbers.files, key), &alt, "diff"))
+                    figcaption { p { (name) " " strong { (number(rmse)) } } }
+                }
+            }
+        }
+    }
+}
+
+fn table(view: &View<'_>, case: &Case<'_>) -> Markup {
+    let head = html! {
+        th scope="col" { "Method" }
+        th scope="col" { "Setting" }
+        @for name in ["Total", "Model", "Sampling", "Precision", "of it storage", "Truths", "Ample steps", "Ample texels"] {
+            th.n scope="col" { (name) }
+        }
+        th scope="col" { "Noise filter" }
+    };
+    let body = html! {
+        @for (shot, d) in cells(case) {
+            tr {
+                td { (parts::method(&shot.cell.method)) }
+                td { (parts::setting(view, &shot)) }
+                @for value in [shot.rel_rmse(), d.model_rel_rmse, d.sampling_rel_rmse, d.precision_rel_rmse, d.storage_rel_rmse, d.truth_rel_rmse] {
+                    (parts::cell(Some(value), number))
+                }
+                td.n { (maybe(d.ample_steps.map(f64::from))) }
+                td.n { (maybe(d.ample_resolution.map(f64::from))) }
+                td { (d.noise_filter.as_deref().unwrap_or("no noise")) }
+            }
+        }
+    };
+    let caption = "RMS over that of the truth. Of it storage: what rounding of stored map values does alone. Truths: the f64 truth minus the one that cells are compared with; the three \
+        pictures add up to the difference but for this.";
+    parts::table(view, caption, "small", head, body)
+}
