@@ -22,5 +22,6 @@ pub mod oracle;
 pub mod raymarch;
 pub mod report;
 pub mod scene;
+pub mod stability;
 
 pub use error::{Error, Result};

@@ -5,6 +5,7 @@ mod diff;
 mod info;
 mod progress;
 mod render;
+mod stability;
 
 use clap::{Parser, Subcommand};
 use std::io::Write;
@@ -31,6 +32,8 @@ enum Command {
     Render(render::Render),
     /// Compare two pictures (EXR or PNG): every error number, and a signed difference picture.
     Diff(diff::Diff),
+    /// Push every method to where its numbers end, on the oracle and on the device.
+    Stability(stability::Stability),
     /// List the light-occlusion methods and their parameters.
     Methods(info::Json),
     /// List the adapters of this machine.
@@ -57,6 +60,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Report(c) => c.run(),
         Command::Render(c) => c.run(),
         Command::Diff(c) => c.run(),
+        Command::Stability(c) => c.run(),
         Command::Methods(c) => info::methods(&c),
         Command::Adapters(c) => info::adapters(&c),
         Command::Schema => info::schema(),

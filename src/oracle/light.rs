@@ -101,6 +101,14 @@ impl<'a> Occlusion<'a> {
         }
     }
 
+    /// Values of the texels marched so far that are NaN or infinite; 0 without a map.
+    pub fn nonfinite_stored(&self) -> u64 {
+        match &self.kind {
+            Kind::March(_) => 0,
+            Kind::Map(map) => map.nonfinite_stored(),
+        }
+    }
+
     pub(super) fn counted(&self, p: DVec3, rnd: f64, tally: &Tally) -> f64 {
         let Oracle { scene, sun, .. } = self.oracle;
         if ground_blocks(&scene.container, p, *sun) {

@@ -4,7 +4,8 @@ use super::cost::Memory;
 use super::light_map::{MapRectangle, TexelFormat};
 use super::{Renderer, View};
 use crate::error::{Error, Result};
-use crate::gpu::{Defs, Gpu, Inputs, Kernel, Program, Resource};
+use crate::frame::is_nonfinite;
+use crate::gpu::{Defs, Gpu, Inputs, Kernel, Program, Resource, read_texture};
 use crate::occlusion::MethodSetup;
 use std::rc::Rc;
 
@@ -21,7 +22,9 @@ pub(super) struct MapPass {
     pub groups: Vec<wgpu::BindGroup>,
     pub resolution: u32,
     pub counts: Option<wgpu::Buffer>,
+    texture: wgpu::Texture,
 }
+
 impl MapPass {
     pub fn new(
         renderer: &Renderer,
@@ -47,7 +50,25 @@ impl MapPass {
             groups,
             resolution: map.resolution,
             counts,
+            texture: map.texture.clone(),
         })
+    }
+
+    /// Values of the map whose exponent bits are all ones: NaN or infinite.
+    pub fn nonfinite_stored(&self, gpu: &Gpu) -> Result<u64> {
+        let bytes = read_texture(gpu, &self.texture)?;
+        let half = matches!(
+            self.texture.format(),
+            wgpu::TextureFormat::R16Float | wgpu::TextureFormat::Rgba16Float
+        );
+        let count = if half {
+            let values = bytemuck::pod_collect_to_vec::<u8, u16>(&bytes);
+            values.iter().filter(|v| **v & 0x7c00 == 0x7c00).count()
+        } else {
+            let values = bytemuck::pod_collect_to_vec::<u8, f32>(&bytes);
+            values.iter().filter(|v| is_nonfinite(**v)).count()
+        };
+        Ok(count as u64)
     }
 }
 
@@ -55,6 +76,7 @@ impl MapPass {
 pub(super) struct MapTexture {
     pub resolution: u32,
     pub memory: Memory,
+    texture: wgpu::Texture,
 }
 
 impl MapTexture {
@@ -107,7 +129,11 @@ impl MapTexture {
             map_bytes: u64::from(layers) * u64::from(format.bytes) * texels,
             allocator_bytes: None,
         };
-        Ok(Self { resolution, memory })
+        Ok(Self {
+            resolution,
+            memory,
+            texture,
+        })
     }
 }
 

@@ -174,6 +174,12 @@ impl Prepared {
         }
     }
 
+    /// Values of the last run's map that are NaN or infinite, told by their stored bits; 0 without a map.
+    pub fn nonfinite_stored(&self, gpu: &Gpu) -> Result<u64> {
+        let map = self.map.as_ref();
+        map.map_or(Ok(0), |map| map.nonfinite_stored(gpu))
+    }
+
     /// Counters of the last run; zero unless prepared for counting.
     pub fn counts(&self, gpu: &Gpu) -> Result<Counts> {
         let [view, light, look_ups, fallbacks] = sum_counts(gpu, self.march_counts.as_ref())?;

@@ -22,6 +22,7 @@ mod format;
 mod page;
 mod pareto;
 mod records;
+mod stability;
 mod style;
 mod view;
 
@@ -35,6 +36,7 @@ use crate::error::Result;
 use std::path::{Path, PathBuf};
 
 pub use pareto::frontier;
+pub use stability::write as write_stability;
 pub use style::{Marker, Style};
 
 /// First words of the file names that mark the files in `charts/` as the report's own.
