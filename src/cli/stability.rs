@@ -104,7 +104,9 @@ fn summarise(sweep: &Sweep) {
             Some(Found::Failed(_)) => "failed".to_owned(),
             None => "-".to_owned(),
         };
-        let flush = t.flush.map_or("-", |flush| if flush { "yes" } else { "no" });
+        let flush = t
+            .flush
+            .map_or("-", |flush| if flush { "yes" } else { "no" });
         eprintln!(
             "{:<14} {:<50} {:<7} {:<7} {flush:<6} {:>12} {:>12} {device:>12}",
             t.form,
@@ -126,7 +128,11 @@ fn summarise(sweep: &Sweep) {
         );
     }
     for (case, row) in sweep.defects() {
-        let reason = row.oracle().reason.as_deref().unwrap_or("on the device alone");
+        let reason = row
+            .oracle()
+            .reason
+            .as_deref()
+            .unwrap_or("on the device alone");
         let device = row.device.as_ref().and_then(|d| d.reason.as_deref());
         eprintln!(
             "DEFECT: {} {}: {:?}: {reason}; device: {}",

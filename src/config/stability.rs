@@ -138,11 +138,7 @@ fn from_document(
     let file: File = document.get("")?;
     if file.name.is_empty() || file.name.chars().count() > 200 {
         let remedy = "Give the sweep a short name.";
-        return Err(document.error(
-            "/name",
-            "the name must have 1 to 200 characters",
-            remedy,
-        ));
+        return Err(document.error("/name", "the name must have 1 to 200 characters", remedy));
     }
     if file.extremes.is_empty() {
         return Err(document.error("/extremes", "the list is empty", "Name at least one case."));
@@ -202,7 +198,8 @@ fn check_volume(document: &Document, name: &str, volume: &VolumeFile) -> Result<
     for (i, fill) in volume.fill.iter().enumerate() {
         let inside = (0..3).all(|k| fill.from[k] < fill.to[k] && fill.to[k] <= volume.cells[k]);
         if !inside || !fill.value.is_finite() || fill.value < 0.0 {
-            let problem = "the box must hold cells of the volume, its value must be finite and not below 0";
+            let problem =
+                "the box must hold cells of the volume, its value must be finite and not below 0";
             let remedy = "Correct `from`, `to` or `value`.";
             return Err(document.error(&format!("{place}/fill/{i}"), problem, remedy));
         }
@@ -249,56 +246,60 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-fn extreme(&self, file: &File, index: usize, common: &Settings) -> Result<Extreme> {
-    let Self { document, specs, folder } = self;
-    let place = format!("/extremes/{index}");
-    let entry = &file.extremes[index];
-    let Some(base) = file.scenes.get(&entry.scene) else {
-        let names = file.scenes.keys().map(String::as_str);
-        let remedy = format!(
-            "{}Scenes stand under `scenes`.",
-            suggest::sentence(&entry.scene, names)
-        );
-        let problem = format!("there is no scene `{}`", entry.scene);
-        return Err(document.error(&format!("{place}/scene"), problem, remedy));
-    };
-    let mut value = base.clone();
-    for (target, new) in &entry.set {
-        matrix::set(&mut value, target, new).map_err(|problem| {
-            let place = format!("{place}/set{}", locate::step(target));
-            let remedy = "Only the last step of the path may be new.";
-            document.error_at_key(&place, format!("cannot set `{target}`: {problem}"), remedy)
-        })?;
+    fn extreme(&self, file: &File, index: usize, common: &Settings) -> Result<Extreme> {
+        let Self {
+            document,
+            specs,
+            folder,
+        } = self;
+        let place = format!("/extremes/{index}");
+        let entry = &file.extremes[index];
+        let Some(base) = file.scenes.get(&entry.scene) else {
+            let names = file.scenes.keys().map(String::as_str);
+            let remedy = format!(
+                "{}Scenes stand under `scenes`.",
+                suggest::sentence(&entry.scene, names)
+            );
+            let problem = format!("there is no scene `{}`", entry.scene);
+            return Err(document.error(&format!("{place}/scene"), problem, remedy));
+        };
+        let mut value = base.clone();
+        for (target, new) in &entry.set {
+            matrix::set(&mut value, target, new).map_err(|problem| {
+                let place = format!("{place}/set{}", locate::step(target));
+                let remedy = "Only the last step of the path may be new.";
+                document.error_at_key(&place, format!("cannot set `{target}`: {problem}"), remedy)
+            })?;
+        }
+        let mut scene: Scene =
+            deserialize(&value).map_err(|fault| document.fault(blamed(&place, entry, fault)))?;
+        let scene = match (scene.validate(), entry.refused) {
+            (Ok(()), false) => {
+                scene.resolve_paths(folder);
+                Ok(Box::new(scene))
+            }
+            (Err(problem), true) => Err(format!("{}: {}", problem.pointer, problem.message)),
+            (Err(problem), false) => {
+                return Err(document.fault(blamed(&place, entry, problem.into())));
+            }
+            (Ok(()), true) => {
+                let problem = "the scene is valid, but the file says that it must be refused";
+                let remedy = "Remove `refused`, or push the value further.";
+                return Err(document.error(&format!("{place}/refused"), problem, remedy));
+            }
+        };
+        let image = entry.image.unwrap_or(file.image);
+        check_image(document, &format!("{place}/image"), image)?;
+        Ok(Extreme {
+            group: entry.group.clone(),
+            name: entry.name.clone(),
+            scene,
+            image,
+            common: common.clone(),
+            params: settings(document, &format!("{place}/params"), &entry.params, specs)?,
+            full_only: entry.full_only,
+        })
     }
-    let mut scene: Scene = deserialize(&value)
-        .map_err(|fault| document.fault(blamed(&place, entry, fault)))?;
-    let scene = match (scene.validate(), entry.refused) {
-        (Ok(()), false) => {
-            scene.resolve_paths(folder);
-            Ok(Box::new(scene))
-        }
-        (Err(problem), true) => Err(format!("{}: {}", problem.pointer, problem.message)),
-        (Err(problem), false) => {
-            return Err(document.fault(blamed(&place, entry, problem.into())));
-        }
-        (Ok(()), true) => {
-            let problem = "the scene is valid, but the file says that it must be refused";
-            let remedy = "Remove `refused`, or push the value further.";
-            return Err(document.error(&format!("{place}/refused"), problem, remedy));
-        }
-    };
-    let image = entry.image.unwrap_or(file.image);
-    check_image(document, &format!("{place}/image"), image)?;
-    Ok(Extreme {
-        group: entry.group.clone(),
-        name: entry.name.clone(),
-        scene,
-        image,
-        common: common.clone(),
-        params: settings(document, &format!("{place}/params"), &entry.params, specs)?,
-        full_only: entry.full_only,
-    })
-}
 }
 
 /// A fault of a scene at the value that the extreme sets there, or in the scene itself.

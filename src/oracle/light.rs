@@ -93,6 +93,18 @@ impl<'a> Occlusion<'a> {
         depths_m.iter().map(at).collect()
     }
 
+    /// V behind all that a map keeps where the column is; of a method without a map, V at the column's end.
+    pub fn behind(&self, column: &LightColumn) -> f64 {
+        let p = column.point(column.length_m());
+        match &self.kind {
+            Kind::Map(map) => match map.uv(p) {
+                Some(uv) => map.transmittance(uv, UNLIMITED_M),
+                None => self.visibility(p, 0.5),
+            },
+            Kind::March(_) => self.visibility(p, 0.5),
+        }
+    }
+
     /// Density samples of the texels marched so far.
     pub(super) fn map_samples(&self) -> u64 {
         match &self.kind {

@@ -41,7 +41,11 @@ pub fn settings() -> Vec<Setting> {
 }
 
 /// The method of a row at an extreme; `None` when it lacks a parameter that the extreme is about.
-pub fn setup(setting: &Setting, extreme: &Extreme, truth_step_m: f64) -> Result<Option<MethodSetup>> {
+pub fn setup(
+    setting: &Setting,
+    extreme: &Extreme,
+    truth_step_m: f64,
+) -> Result<Option<MethodSetup>> {
     let mut setup = MethodSetup::defaults(&setting.method)?;
     let specs: Vec<&'static ParamSpec> = setup.method.info().specs().collect();
     let declares = |name: &str| specs.iter().any(|spec| spec.name == name);

@@ -47,9 +47,7 @@ pub(super) fn probes(oracle: &Oracle, scene: &Scene, aspect: f64) -> Vec<Probe> 
     let mut out = Vec::new();
     for [x, y] in DIRECTIONS {
         let direction = (forward + right * (x * half_x) + up * (y * half_y)).normalize();
-        let intervals = scene
-            .container
-            .intervals(position, direction, 0.0, far_m);
+        let intervals = scene.container.intervals(position, direction, 0.0, far_m);
         let Some((start, end)) = intervals.into_iter().find(|(start, end)| end > start) else {
             continue;
         };
@@ -147,9 +145,7 @@ fn rises_as_documented(
     }
     let floor = oracle.prepare(&floor, Options::default())?;
     let inside = |(probe, curve): (&Probe, &Vec<f64>)| {
-        let end = probe.depths_m.last().copied().unwrap_or_default();
-        let whole = floor.along(&probe.column, &[end])[0];
-        let least = whole.powf(OVERSHOOT) - TOLERANCE;
+        let least = floor.behind(&probe.column).powf(OVERSHOOT) - TOLERANCE;
         curve.iter().all(|t| *t >= least)
     };
     Ok(probes.iter().zip(curves).all(inside))

@@ -41,13 +41,25 @@ fn truth_step_m(scene: &Scene) -> f64 {
 }
 
 /// Hash of everything that determines a case: 16 hexadecimal digits.
-pub(super) fn case_id(stability: &Stability, extreme: &Extreme, renderer: Option<&Renderer>) -> String {
-    let mut scene = json!(extreme.scene.as_deref().map_or(Value::Null, |scene| json!(scene)));
+pub(super) fn case_id(
+    stability: &Stability,
+    extreme: &Extreme,
+    renderer: Option<&Renderer>,
+) -> String {
+    let mut scene = json!(
+        extreme
+            .scene
+            .as_deref()
+            .map_or(Value::Null, |scene| json!(scene))
+    );
     // The folder does not matter, the volume's own description does.
     let mut volume = Value::Null;
     if let Some(path) = scene.pointer_mut("/density/volume/path") {
         let name = path.as_str().map(|path| Path::new(path).file_stem());
-        let name = name.flatten().and_then(|stem| stem.to_str()).unwrap_or_default();
+        let name = name
+            .flatten()
+            .and_then(|stem| stem.to_str())
+            .unwrap_or_default();
         volume = json!(stability.volumes.get(name).map(|v| format!("{v:?}")));
         *path = name.into();
     }

@@ -1,7 +1,7 @@
 //! Where the published forms begin to fail, by bisection.
 
-use super::pictures::{nonfinite, render};
 use super::cases::write_volumes;
+use super::pictures::{nonfinite, render};
 use crate::config::{Fill, VolumeFile};
 use crate::error::{Error, Result};
 use crate::occlusion::rounding::Rounding;
@@ -173,7 +173,10 @@ fn esm() -> Result<Vec<Threshold>> {
         // c is in the parameter's range, so that the method exists.
         map(form, c).is_ok_and(|map| match nan {
             true => map.transmittance(&EMPTY, 1.0, &rounding).is_nan(),
-            false => map.stored(&EMPTY, &rounding).iter().any(|v| v.is_infinite()),
+            false => map
+                .stored(&EMPTY, &rounding)
+                .iter()
+                .any(|v| v.is_infinite()),
         })
     };
     let stored_ends = [
@@ -193,10 +196,30 @@ fn esm() -> Result<Vec<Threshold>> {
         });
     }
     let decays = [
-        ("f16", true, 126.0 * LN_2, "126 ln 2: e^(−c) flushes to 0, inf·0"),
-        ("f32", true, 128.0 * LN_2, "128 ln 2: e^(−c) is 0 before e^c is inf"),
-        ("f16", false, 150.0 * LN_2, "150 ln 2: e^(−c) rounds to 0, inf·0"),
-        ("f32", false, 150.0 * LN_2, "150 ln 2: e^(−c) rounds to 0, inf·0"),
+        (
+            "f16",
+            true,
+            126.0 * LN_2,
+            "126 ln 2: e^(−c) flushes to 0, inf·0",
+        ),
+        (
+            "f32",
+            true,
+            128.0 * LN_2,
+            "128 ln 2: e^(−c) is 0 before e^c is inf",
+        ),
+        (
+            "f16",
+            false,
+            150.0 * LN_2,
+            "150 ln 2: e^(−c) rounds to 0, inf·0",
+        ),
+        (
+            "f32",
+            false,
+            150.0 * LN_2,
+            "150 ln 2: e^(−c) rounds to 0, inf·0",
+        ),
     ];
     for (storage, flush, predicted, source) in decays {
         let rounding = Rounding::device(storage, flush);
@@ -228,7 +251,11 @@ fn fom() -> Result<Vec<Threshold>> {
     let mut out = Vec::new();
     let rounding = Rounding::device("f32", true);
     for (form, predicted, source) in [
-        ("published", Some(25.0 * LN_2), "25 ln 2: α = 1 − e^(−τ) rounds to 1"),
+        (
+            "published",
+            Some(25.0 * LN_2),
+            "25 ln 2: α = 1 − e^(−τ) rounds to 1",
+        ),
         ("stable", None, "stores 2σΔs, scaled below 6e4"),
     ] {
         let map = Map::new("fom", &[("form", form)])?;
@@ -241,7 +268,9 @@ fn fom() -> Result<Vec<Threshold>> {
             predicted,
             source: source.to_owned(),
             measured: bisect(1.0, SEARCHED, HALVINGS, |tau| {
-                map.stored(&slab(tau), &rounding).iter().any(|v| !v.is_finite())
+                map.stored(&slab(tau), &rounding)
+                    .iter()
+                    .any(|v| !v.is_finite())
             }),
             ..row(&format!("fom {form}"), "stores inf or NaN", THICKNESS)
         });
@@ -255,7 +284,8 @@ fn fom() -> Result<Vec<Threshold>> {
     });
     out.push(Threshold {
         predicted: Some(2f64.powi(-24)),
-        source: "f32 rounds above 1 from 1 + 2⁻²⁴ on: the logarithm of a negative number".to_owned(),
+        source: "f32 rounds above 1 from 1 + 2⁻²⁴ on: the logarithm of a negative number"
+            .to_owned(),
         measured: bisect(0.0, 1e-6, HALVINGS, |x| of_excess(x).is_nan()),
         ..row("fom published", "adds NaN", "α − 1")
     });
@@ -292,7 +322,11 @@ fn bsm() -> Result<Vec<Threshold>> {
             predicted: Some((-thin).exp() * thin),
             source: "front −1: the whole τ = 0.009 lies in front of the column".to_owned(),
             measured: Some(at(thin, 0.0)),
-            ..row("bsm published", "T before a cloud too thin for a front, 1 is right", "T")
+            ..row(
+                "bsm published",
+                "T before a cloud too thin for a front, 1 is right",
+                "T",
+            )
         },
     ])
 }
@@ -340,11 +374,16 @@ impl<'a> Device<'a> {
     fn find(&self, threshold: &Threshold) -> Option<Found> {
         let form = threshold.form.split(' ').nth(1)?;
         let stored = threshold.what != NAN;
-        let found = match (threshold.form.split(' ').next()?, threshold.parameter.as_str()) {
+        let found = match (
+            threshold.form.split(' ').next()?,
+            threshold.parameter.as_str(),
+        ) {
             ("esm", _) => self.search(DEVICE_C, |c| {
                 let setup = self.setup("esm", form, &threshold.storage)?;
-                let c = (c / DEEP_FRONT).to_string();
-                self.fails(&self.deep, &setup.with("c", &c)?, stored, !stored)
+                // Texels in the margin of the map are empty, z = 1; pixels see columns with a front.
+                let z = if stored { 1.0 } else { DEEP_FRONT };
+                let setup = setup.with("c", &(c / z).to_string())?;
+                self.fails(&self.deep, &setup, stored, !stored)
             }),
             ("fom", THICKNESS) => self.search(DEVICE_TAU, |tau| {
                 let mut scene = self.uniform.clone();

@@ -4,7 +4,7 @@ mod album;
 mod choose;
 mod figures;
 mod frontier;
-mod parts;
+pub(super) mod parts;
 mod pictures;
 mod table;
 mod tail;
