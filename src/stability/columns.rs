@@ -42,7 +42,8 @@ pub(super) struct Probe {
 pub(super) fn probes(oracle: &Oracle, scene: &Scene, aspect: f64) -> Vec<Probe> {
     let position = DVec3::from(scene.camera.position_m);
     let (right, up, forward) = scene.camera.basis();
-    let (half_x, half_y) = scene.camera.half_extent(aspect);
+    // A very wide picture would have all of its columns far apart, a very narrow one in a plane.
+    let (half_x, half_y) = scene.camera.half_extent(aspect.clamp(0.5, 2.0));
     let far_m = scene.camera.far_m.unwrap_or(1e30);
     let mut out = Vec::new();
     for [x, y] in DIRECTIONS {

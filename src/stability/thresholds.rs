@@ -380,9 +380,7 @@ impl<'a> Device<'a> {
         ) {
             ("esm", _) => self.search(DEVICE_C, |c| {
                 let setup = self.setup("esm", form, &threshold.storage)?;
-                // Texels in the margin of the map are empty, z = 1; pixels see columns with a front.
-                let z = if stored { 1.0 } else { DEEP_FRONT };
-                let setup = setup.with("c", &(c / z).to_string())?;
+                let setup = setup.with("c", &(c / DEEP_FRONT).to_string())?;
                 self.fails(&self.deep, &setup, stored, !stored)
             }),
             ("fom", THICKNESS) => self.search(DEVICE_TAU, |tau| {
@@ -432,7 +430,7 @@ impl<'a> Device<'a> {
     }
 }
 
-/// A box under a zenith sun, seen from the side.
+/// A box under a zenith sun, its lowest metres seen from the side.
 fn scene(density: serde_json::Value) -> Result<Scene> {
     let scene = serde_json::json!({
         "name": "threshold",
@@ -440,7 +438,7 @@ fn scene(density: serde_json::Value) -> Result<Scene> {
         "density": density,
         "medium": {"extinction_per_m": 1.0},
         "sun": {"elevation_deg": 90, "azimuth_deg": 0, "irradiance": [1, 1, 1]},
-        "camera": {"position_m": [500, 10, -1500], "target_m": [500, 10, 500], "fov_y_deg": 20},
+        "camera": {"position_m": [500, 6, -1500], "target_m": [500, 6, 500], "fov_y_deg": 0.4},
         "march": {"steps": 16}
     });
     serde_json::from_value(scene).map_err(|e| {

@@ -31,14 +31,14 @@ pub fn section(sweep: &Sweep) -> Markup {
         section #oracle {
             h2 { "On the oracle" }
             p {
-                "T along light columns, values rounded as the device would, the worse of denormals kept and flushed. Point at a cell for its numbers."
+                "T along light columns, values rounded as the device would, the worse of denormals kept and flushed. Digits: weighted RMSE of T. Point at a cell for its numbers."
             }
             (legend())
             (map(sweep, &settings, &|row| oracle_cell(row.oracle())))
         }
         section #device {
             h2 { "On the device" }
-            p { "Pictures on " (device(sweep)) ": stored bits of channels and texels, the range of V, and V against the oracle's truth. Recorded, not asserted." }
+            p { "Pictures on " (device(sweep)) ": stored bits of channels and texels, the range of V, and V against the oracle's truth (digits: the largest error of a pixel). Recorded, not asserted." }
             @if sweep.environment.is_some() {
                 (map(sweep, &settings, &|row| row.device.as_ref().map_or_else(absent, device_cell)))
             }
@@ -48,24 +48,25 @@ pub fn section(sweep: &Sweep) -> Markup {
 
 fn legend() -> Markup {
     let entries = [
-        ("e4", "4", "largest error ≤ 10⁻⁴"),
-        ("e3", "3", "≤ 10⁻³"),
-        ("e2", "2", "≤ 0.01"),
-        ("e1", "1", "≤ 0.1"),
-        ("e0", "0", "above 0.1: finite, but wrong"),
+        ("is-e4", "4", "error ≤ 10⁻⁴"),
+        ("is-e3", "3", "≤ 10⁻³"),
+        ("is-e2", "2", "≤ 0.01"),
+        ("is-e1", "1", "≤ 0.1"),
+        ("is-e0", "0", "above 0.1: finite, but far off"),
+        ("is-e4", "·", "finite; nothing scatters light here"),
         (
-            "rings",
+            "is-rings",
             "~",
             "rises as documented (FOM's overshoot, a march's few samples)",
         ),
         (
-            "breaks",
+            "is-breaks",
             "✕",
             "breaks: not finite, outside [0, 1], or rising without documentation",
         ),
-        ("refused", "R", "refused, with its reason below"),
-        ("failed", "!", "the device did not deliver"),
-        ("void", "", "the extreme does not concern the method"),
+        ("is-refused", "R", "refused, with its reason below"),
+        ("is-failed", "!", "the device did not deliver"),
+        ("is-void", "", "the extreme does not concern the method"),
     ];
     html! {
         ul.keys { @for (class, symbol, text) in entries {
@@ -127,7 +128,7 @@ pub fn label(setting: &Setting) -> String {
 fn shown(case: &Case, setting: &Setting, cell: &dyn Fn(&Row) -> Cell) -> Cell {
     if let Some(reason) = &case.refused {
         return Cell {
-            class: "refused",
+            class: "is-refused",
             symbol: "R".to_owned(),
             title: reason.clone(),
         };
@@ -138,7 +139,7 @@ fn shown(case: &Case, setting: &Setting, cell: &dyn Fn(&Row) -> Cell) -> Cell {
 
 fn absent() -> Cell {
     Cell {
-        class: "void",
+        class: "is-void",
         symbol: String::new(),
         title: String::new(),
     }
@@ -155,7 +156,7 @@ fn oracle_cell(columns: &Columns) -> Cell {
     verdict_cell(
         columns.verdict,
         columns.reason.as_deref(),
-        columns.max_error,
+        columns.weighted_rmse,
         &numbers,
     )
 }
@@ -176,18 +177,13 @@ fn device_cell(picture: &Picture) -> Cell {
     )
 }
 
-fn verdict_cell(
-    verdict: Verdict,
-    reason: Option<&str>,
-    max_error: Option<f64>,
-    numbers: &str,
-) -> Cell {
+fn verdict_cell(verdict: Verdict, reason: Option<&str>, error: Option<f64>, numbers: &str) -> Cell {
     let (class, symbol) = match verdict {
-        Verdict::Ok => error_class(max_error),
-        Verdict::Rings => ("rings", "~"),
-        Verdict::Breaks => ("breaks", "✕"),
-        Verdict::Refused => ("refused", "R"),
-        Verdict::Failed => ("failed", "!"),
+        Verdict::Ok => error_class(error),
+        Verdict::Rings => ("is-rings", "~"),
+        Verdict::Breaks => ("is-breaks", "✕"),
+        Verdict::Refused => ("is-refused", "R"),
+        Verdict::Failed => ("is-failed", "!"),
     };
     let title = match reason {
         Some(reason) => format!("{reason}; {numbers}"),
@@ -200,14 +196,14 @@ fn verdict_cell(
     }
 }
 
-/// Decades of the largest error; a case without a column or a lit pixel has none and is empty of errors, too.
-fn error_class(max_error: Option<f64>) -> (&'static str, &'static str) {
-    match max_error {
-        None => ("e4", "·"),
-        Some(e) if e <= 1e-4 => ("e4", "4"),
-        Some(e) if e <= 1e-3 => ("e3", "3"),
-        Some(e) if e <= 1e-2 => ("e2", "2"),
-        Some(e) if e <= 1e-1 => ("e1", "1"),
-        Some(_) => ("e0", "0"),
+/// The error's decade; where nothing scatters light there is none.
+fn error_class(error: Option<f64>) -> (&'static str, &'static str) {
+    match error {
+        None => ("is-e4", "·"),
+        Some(e) if e <= 1e-4 => ("is-e4", "4"),
+        Some(e) if e <= 1e-3 => ("is-e3", "3"),
+        Some(e) if e <= 1e-2 => ("is-e2", "2"),
+        Some(e) if e <= 1e-1 => ("is-e1", "1"),
+        Some(_) => ("is-e0", "0"),
     }
 }

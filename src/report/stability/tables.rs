@@ -54,7 +54,7 @@ pub fn thresholds(sweep: &Sweep) -> Markup {
                         @let new = i > 0 && sweep.thresholds[i - 1].form != t.form;
                         tr.divided[new] {
                             th.whole scope="row" { (t.form) }
-                            td { (t.what) }
+                            td.reason { (t.what) }
                             td.whole { (t.parameter) }
                             td { (t.storage) }
                             td { (t.flush.map_or("–", |flush| if flush { "flushed" } else { "kept" })) }
