@@ -30,5 +30,6 @@ pub mod probe;
 pub mod raymarch;
 pub mod report;
 pub mod scene;
+pub mod stability;
 
 pub use error::{Error, Result};

@@ -9,7 +9,7 @@
 // Sources: Hillaire 2020; thesis M, Algorithms 5 and 6. Cost: look-up one exponential; fitted marches the column twice.
 #import map::{map, Tap, fetch}
 #import column::{Column, sample_depth, sample_extinction, store}
-#import front::{front_depth, front_in_step}
+#import front::{front_in_step, over_depth}
 
 // f16 holds 65504: a larger σ̄·depth_m would become infinite, and exp(−64) is 0 for any picture.
 const LARGEST_MEAN: f32 = 6e4;
@@ -22,7 +22,8 @@ fn encode(column: Column) {
     for (var k = 0u; k < map.steps; k++) {
         let sigma = sample_extinction(column, k);
         if front < 0.0 {
-            front = front_in_step(column, k, sigma, tau) / map.depth_m;
+            let front_m = front_in_step(column, k, sigma, tau);
+            front = select(over_depth(front_m), -1.0, front_m < 0.0);
         }
         occupied += select(0.0, 1.0, sigma > 0.0);
         tau += sigma * column.step_m;

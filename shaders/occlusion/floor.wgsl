@@ -8,13 +8,16 @@
 #import map::{map, Tap, column_length, fetch}
 #import column::{Column, sample_extinction, store}
 
+// f16 holds 65504: between two infinite values a look-up would interpolate NaN, and exp(−6e4) is 0 anyway.
+const LARGEST_TAU: f32 = 6e4;
+
 fn encode(column: Column) {
     var tau = 0.0;
     var values = vec4f(0.0);
     for (var k = 0u; k < map.steps; k++) {
         tau += sample_extinction(column, k) * column.step_m;
         let channel = k % 4u;
-        values = select(values, vec4f(tau), vec4u(channel) <= vec4u(0u, 1u, 2u, 3u));
+        values = select(values, vec4f(min(tau, LARGEST_TAU)), vec4u(channel) <= vec4u(0u, 1u, 2u, 3u));
         if channel == 3u || k + 1u == map.steps {
             store(column, k / 4u, values);
         }

@@ -23,13 +23,18 @@ fn front_in_step(column: Column, k: u32, sigma: f32, tau: f32) -> f32 {
 #endif
 }
 
+// A front in metres over depth_m; at most 1, finite too where the view sees nothing of the layer and depth_m is 0.
+fn over_depth(front_m: f32) -> f32 {
+    return min(front_m / max(map.depth_m, 1e-20), 1.0);
+}
+
 fn front_depth(column: Column) -> f32 {
     var tau = 0.0;
     for (var k = 0u; k < map.steps; k++) {
         let sigma = sample_extinction(column, k);
         let front_m = front_in_step(column, k, sigma, tau);
         if front_m >= 0.0 {
-            return front_m / map.depth_m;
+            return over_depth(front_m);
         }
         tau += sigma * column.step_m;
     }

@@ -7,6 +7,7 @@ mod probe;
 mod progress;
 mod render;
 mod scene;
+mod stability;
 
 use clap::{Parser, Subcommand};
 use occlab::backend::{Backend, Choice};
@@ -36,6 +37,8 @@ enum Command {
     Probe(probe::Probe),
     /// Compare two pictures (EXR or PNG): every error number, and a signed difference picture.
     Diff(diff::Diff),
+    /// Push every method to where its numbers end, on the oracle and on the device.
+    Stability(stability::Stability),
     /// List the light-occlusion methods and their parameters.
     Methods(info::Json),
     /// List the adapters of this machine.
@@ -103,6 +106,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Render(c) => c.run(),
         Command::Probe(c) => c.run(),
         Command::Diff(c) => c.run(),
+        Command::Stability(c) => c.run(),
         Command::Methods(c) => info::methods(&c),
         Command::Adapters(c) => info::adapters(&c),
         Command::Schema => info::schema(),

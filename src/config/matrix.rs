@@ -216,7 +216,7 @@ fn scene_at(
 }
 
 /// Writes `new` at `pointer`; the parent must exist, a member of an object may be created.
-fn set(root: &mut Value, pointer: &str, new: &Value) -> Result<(), String> {
+pub(super) fn set(root: &mut Value, pointer: &str, new: &Value) -> Result<(), String> {
     let (parent, last) = pointer.rsplit_once('/').ok_or("it is empty")?;
     let last = locate::steps(&format!("/{last}"))
         .next()

@@ -13,6 +13,7 @@ mod locate;
 mod matrix;
 mod methods;
 mod schema;
+mod stability;
 mod suggest;
 #[cfg(test)]
 mod tests;
@@ -24,6 +25,7 @@ pub use experiment::{
 pub use matrix::{CellSpec, MAX_CELLS, Matrix, View, describe, expand};
 pub use methods::MethodCatalogue;
 pub use schema::schema;
+pub use stability::{Extreme, Fill, Stability, VolumeFile, load_stability, parse_stability};
 
 use crate::error::Result;
 use crate::scene::Scene;

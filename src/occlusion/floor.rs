@@ -35,6 +35,9 @@ impl LightOcclusion for Floor {
     }
 }
 
+/// Stored depths stay below this: f16 ends at 65504, and between two infinite values NaN is interpolated.
+const LARGEST_TAU: f64 = 6e4;
+
 /// Optical depth at the far edge of every step, linear in between.
 struct Cumulative;
 
@@ -42,7 +45,7 @@ impl Encoding for Cumulative {
     fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64> {
         let edges = column.thicknesses().scan(0.0, |tau, thickness| {
             *tau = rounding.computed(*tau + thickness);
-            Some(*tau)
+            Some(tau.min(LARGEST_TAU))
         });
         edges.collect()
     }

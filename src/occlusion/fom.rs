@@ -129,8 +129,13 @@ impl Fourier {
             return thickness;
         }
         let alpha = rounding.computed(1.0 - rounding.computed((-thickness).exp()));
-        -rounding.computed(rounding.computed(1.0 - alpha).ln())
+        thickness_of_opacity(alpha, rounding)
     }
+}
+
+/// −ln(1 − α), what the published form adds for a step of opacity α: infinite at α = 1, NaN above.
+pub fn thickness_of_opacity(alpha: f64, rounding: &Rounding) -> f64 {
+    -rounding.computed(rounding.computed(1.0 - rounding.computed(alpha)).ln())
 }
 
 /// Depth as the series' variable.

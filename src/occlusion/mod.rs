@@ -24,6 +24,8 @@ mod none;
 mod srm;
 mod truth;
 
+pub use fom::thickness_of_opacity;
+
 use crate::error::{Error, Result};
 use crate::gpu::Defs;
 use param::{ParamKind, ParamSpec, ParamValue, Params};

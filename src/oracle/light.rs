@@ -119,11 +119,31 @@ impl<'a> Occlusion<'a> {
         }
     }
 
+    /// V behind all that a map keeps where the column is; of a method without a map, V at the column's end.
+    pub fn behind(&self, column: &LightColumn) -> f64 {
+        let p = column.point(column.length_m());
+        match &self.kind {
+            Kind::Map(map) => match map.uv(p) {
+                Some(uv) => map.transmittance(uv, UNLIMITED_M),
+                None => self.visibility(p, 0.5),
+            },
+            Kind::March(_) => self.visibility(p, 0.5),
+        }
+    }
+
     /// Density samples of the texels marched so far.
     pub(super) fn map_samples(&self) -> u64 {
         match &self.kind {
             Kind::March(_) => 0,
             Kind::Map(map) => map.samples(),
+        }
+    }
+
+    /// Values of the texels marched so far that are NaN or infinite; 0 without a map.
+    pub fn nonfinite_stored(&self) -> u64 {
+        match &self.kind {
+            Kind::March(_) => 0,
+            Kind::Map(map) => map.nonfinite_stored(),
         }
     }
 

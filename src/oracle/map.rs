@@ -183,9 +183,18 @@ impl LightMap {
 
     /// Density samples of all texels so far.
     pub fn samples(&self) -> u64 {
+        self.sum(|texel| texel.samples)
+    }
+
+    /// Values of all texels so far that are NaN or infinite.
+    pub fn nonfinite_stored(&self) -> u64 {
+        self.sum(|texel| texel.values.iter().filter(|v| !v.is_finite()).count() as u64)
+    }
+
+    fn sum(&self, of: impl Fn(&Texel) -> u64) -> u64 {
         let shard = |shard: &Mutex<HashMap<_, Arc<Texel>>>| -> u64 {
             let texels = shard.lock().unwrap_or_else(PoisonError::into_inner);
-            texels.values().map(|texel| texel.samples).sum()
+            texels.values().map(|texel| of(texel)).sum()
         };
         self.shards.iter().map(shard).sum()
     }

@@ -51,13 +51,20 @@ impl MapRectangle {
             };
         };
         let r = f64::from(resolution);
-        // Snapping the corner down costs up to one texel.
-        let room = if resolution > 4 { r / (r - 2.0) } else { 2.0 };
+        // Snapping the corner down costs up to one texel. Few texels leave no room for that: they stay unsnapped.
+        let snaps = resolution > 4;
+        let room = if snaps { r / (r - 2.0) } else { 1.0 };
         let needed = (high[0] - low[0]).max(high[1] - low[1]).max(1e-9) * MARGIN * room;
         let extent_m = 2f64.powf((needed.log2() * 4.0).ceil() / 4.0);
         let texel_m = extent_m / r;
-        let origin_m =
-            [0, 1].map(|i| ((low[i] + high[i] - extent_m) / 2.0 / texel_m).floor() * texel_m);
+        let origin_m = [0, 1].map(|i| {
+            let centred_m = (low[i] + high[i] - extent_m) / 2.0;
+            if snaps {
+                (centred_m / texel_m).floor() * texel_m
+            } else {
+                centred_m
+            }
+        });
         let far = origin_m.map(|o| o + extent_m);
         let depth_m = scene
             .container

@@ -2,6 +2,7 @@
 
 use super::map_pass::MapTexture;
 use crate::error::Result;
+use crate::frame::is_nonfinite;
 use crate::gpu::{Gpu, read_texture};
 use half::f16;
 
@@ -22,6 +23,11 @@ impl MapTexels {
         let n = self.values_a_texel as usize;
         let start = (v as usize * self.resolution as usize + u as usize) * n;
         &self.values[start..start + n]
+    }
+
+    /// Values that are NaN or infinite, told by their bits.
+    pub fn nonfinite(&self) -> u64 {
+        self.values.iter().filter(|v| is_nonfinite(**v)).count() as u64
     }
 
     pub(super) fn read(gpu: &Gpu, map: &MapTexture) -> Result<Self> {

@@ -22,6 +22,7 @@ mod format;
 mod page;
 mod pareto;
 mod records;
+mod stability;
 mod style;
 mod view;
 
@@ -36,6 +37,7 @@ use crate::probe::Probe;
 use std::path::{Path, PathBuf};
 
 pub use pareto::frontier;
+pub use stability::write as write_stability;
 pub use style::{Marker, Style};
 
 /// First words of the file names that mark the files in `charts/` as the report's own.

@@ -4,6 +4,7 @@ mod axis;
 mod bars;
 pub mod canvas;
 mod errors;
+pub mod extremes;
 mod labels;
 mod memory;
 mod plot;

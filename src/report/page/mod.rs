@@ -5,7 +5,7 @@ mod choose;
 mod errors;
 mod figures;
 mod frontier;
-mod parts;
+pub(super) mod parts;
 mod pictures;
 mod table;
 mod tail;

@@ -1,0 +1,111 @@
+//! What is swept: every setting of every method, and the temporary volumes of the scenes.
+
+use super::record::Setting;
+use crate::config::{Extreme, VolumeFile};
+use crate::error::{Error, Result};
+use crate::frame::atomic::write_atomic;
+use crate::occlusion::param::{ParamKind, ParamSpec, ParamValue};
+use crate::occlusion::{MethodSetup, REGISTRY};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+/// Choices that make rows.
+const CHOICES: [&str; 3] = ["form", "storage", "lookup"];
+
+/// Every setting of every registered method: form, storage and look-up, where it has them.
+pub fn settings() -> Vec<Setting> {
+    let mut out = Vec::new();
+    for method in REGISTRY {
+        let info = method.info();
+        let options = |name: &str| {
+            let declared = info.specs().find(|spec| spec.name == name);
+            match declared.map(|spec| spec.kind) {
+                Some(ParamKind::Choice { options, .. }) => options,
+                _ => &["-"],
+            }
+        };
+        let [forms, storages, lookups] = CHOICES.map(options);
+        for form in forms {
+            for storage in storages {
+                out.extend(lookups.iter().map(|lookup| Setting {
+                    method: info.id.to_owned(),
+                    form: (*form).to_owned(),
+                    storage: (*storage).to_owned(),
+                    lookup: (*lookup).to_owned(),
+                }));
+            }
+        }
+    }
+    out
+}
+
+/// The method of a row at an extreme; `None` when it lacks a parameter that the extreme is about.
+pub fn setup(
+    setting: &Setting,
+    extreme: &Extreme,
+    truth_step_m: f64,
+) -> Result<Option<MethodSetup>> {
+    let mut setup = MethodSetup::defaults(&setting.method)?;
+    let specs: Vec<&'static ParamSpec> = setup.method.info().specs().collect();
+    let declares = |name: &str| specs.iter().any(|spec| spec.name == name);
+    if !extreme.params.keys().all(|name| declares(name)) {
+        return Ok(None);
+    }
+    for (name, value) in extreme.common.iter().chain(&extreme.params) {
+        if declares(name) {
+            setup.params.set(name, *value);
+        }
+    }
+    if setting.method == "truth" {
+        setup.params.set("step_m", ParamValue::Float(truth_step_m));
+    }
+    for (name, option) in CHOICES
+        .iter()
+        .zip([&setting.form, &setting.storage, &setting.lookup])
+    {
+        if option != "-" {
+            setup = setup.with(name, option)?;
+        }
+    }
+    Ok(Some(setup))
+}
+
+/// Writes every volume to `inputs/NAME.npy` below `folder`, f32, C order, axes z, y (up), x.
+pub fn write_volumes(folder: &Path, volumes: &BTreeMap<String, VolumeFile>) -> Result<()> {
+    let inputs = folder.join("inputs");
+    std::fs::create_dir_all(&inputs).map_err(Error::writing(&inputs))?;
+    for (name, volume) in volumes {
+        let path = inputs.join(format!("{name}.npy"));
+        let bytes = npy(volume);
+        write_atomic(&path, |file| {
+            file.write_all(&bytes).map_err(Error::writing(&path))
+        })?;
+    }
+    Ok(())
+}
+
+/// NumPy format 1.0: magic, length of the header, the header padded to 64 bytes, the values.
+fn npy(volume: &VolumeFile) -> Vec<u8> {
+    let [nx, ny, nz] = volume.cells.map(|n| n as usize);
+    let mut values = vec![0.0f32; nx * ny * nz];
+    for fill in &volume.fill {
+        let ([x0, y0, z0], [x1, y1, z1]) = (fill.from, fill.to);
+        for z in z0..z1 {
+            for y in y0..y1 {
+                let row = (z as usize * ny + y as usize) * nx;
+                values[row + x0 as usize..row + x1 as usize].fill(fill.value);
+            }
+        }
+    }
+    let mut header =
+        format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
+    // Magic, version and length take 10 bytes; a line feed ends the header.
+    header.push_str(&" ".repeat(63 - (10 + header.len()) % 64));
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+    bytes
+}

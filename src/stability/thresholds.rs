@@ -1,0 +1,451 @@
+//! Where the published forms begin to fail, by bisection.
+
+use super::cases::write_volumes;
+use super::pictures::{nonfinite, render};
+use crate::config::{Fill, VolumeFile};
+use crate::error::{Error, Result};
+use crate::occlusion::rounding::Rounding;
+use crate::occlusion::twin::{Column, Encoding, LightRay, LookUp, Twin};
+use crate::occlusion::{MethodSetup, thickness_of_opacity};
+use crate::raymarch::Renderer;
+use crate::scene::{ImageSize, Scene};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{E, LN_2};
+use std::path::Path;
+
+/// A number at which a form begins to fail, or that it returns where it is wrong.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Threshold {
+    /// Method and form.
+    pub form: String,
+    /// What happens there.
+    pub what: String,
+    /// The parameter, with its unit if it has one.
+    pub parameter: String,
+    /// Storage `f16` or `f32`; `-` where it does not matter.
+    pub storage: String,
+    /// Denormals flushed to zero; `None` where it does not matter.
+    pub flush: Option<bool>,
+    /// What METHODS.md and the number formats say; `None` = never.
+    pub predicted: Option<f64>,
+    /// Where the prediction comes from.
+    pub source: String,
+    /// Measured on the oracle; `None` = not up to [`SEARCHED`].
+    pub measured: Option<f64>,
+    /// Found on the device, the same search over pictures and stored bits; `None` = not searched there.
+    pub device: Option<Found>,
+}
+
+/// What a search on the device came to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Found {
+    /// It begins here.
+    At(f64),
+    /// Not up to here.
+    NotUpTo(f64),
+    /// The device did not deliver; its own words.
+    Failed(String),
+}
+
+/// Parameters are searched up to here.
+pub const SEARCHED: f64 = 1e5;
+/// Halvings of a bracket on the oracle: f64 has no more.
+const HALVINGS: u32 = 52;
+
+/// First value in `low..=high` at which `fails`: `None` when it does not fail at `high`.
+fn bisect(low: f64, high: f64, halvings: u32, fails: impl Fn(f64) -> bool) -> Option<f64> {
+    if !fails(high) {
+        return None;
+    }
+    let (mut low, mut high) = (low, high);
+    for _ in 0..halvings {
+        let middle = 0.5 * (low + high);
+        if fails(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Some(high)
+}
+
+/// Extinction in the first `share` of a way of 1 m.
+struct Slab {
+    extinction_per_m: f64,
+    share: f64,
+}
+
+impl LightRay for Slab {
+    fn length_m(&self) -> f64 {
+        1.0
+    }
+
+    fn extinction_per_m(&self, s_m: f64) -> f64 {
+        if s_m < self.share {
+            self.extinction_per_m
+        } else {
+            0.0
+        }
+    }
+}
+
+/// A method's map twin.
+struct Map {
+    encoding: Box<dyn Encoding>,
+}
+
+impl Map {
+    fn new(id: &str, params: &[(&str, &str)]) -> Result<Self> {
+        let setup = params
+            .iter()
+            .try_fold(MethodSetup::defaults(id)?, |setup, (name, value)| {
+                setup.with(name, value)
+            })?;
+        match setup.method.oracle(&setup.params)? {
+            Twin::Map(encoding) => Ok(Self { encoding }),
+            Twin::March(_) => Err(Error::input(
+                "method",
+                format!("`{id}` has no map"),
+                "This is a defect of the program; please report it.",
+            )),
+        }
+    }
+
+    /// What a texel of a column of 100 steps stores.
+    fn stored(&self, ray: &Slab, rounding: &Rounding) -> Vec<f64> {
+        let column = Column::march(ray, 100, "midpoint", 1.0);
+        let values = self.encoding.encode(&column, rounding);
+        values.into_iter().map(|v| rounding.stored(v)).collect()
+    }
+
+    /// T at `depth`, 0…1, of such a column.
+    fn transmittance(&self, ray: &Slab, depth: f64, rounding: &Rounding) -> f64 {
+        let look_up = LookUp { depth, length: 1.0 };
+        self.encoding
+            .transmittance(&self.stored(ray, rounding), look_up, rounding)
+    }
+}
+
+/// Every threshold; the device's half where there is one. Its scenes' volume is written below `folder`.
+pub fn thresholds(renderer: Option<&Renderer>, folder: &Path) -> Result<Vec<Threshold>> {
+    let mut out = esm()?;
+    out.extend(fom()?);
+    out.extend(bsm()?);
+    if let Some(renderer) = renderer {
+        let device = Device::new(renderer, folder)?;
+        for threshold in &mut out {
+            threshold.device = device.find(threshold);
+        }
+    }
+    Ok(out)
+}
+
+const OVERFLOW: &str = "stores inf";
+const NAN: &str = "returns NaN";
+const THICKNESS: &str = "τ of a step";
+
+fn row(form: &str, what: &str, parameter: &str) -> Threshold {
+    Threshold {
+        form: form.to_owned(),
+        what: what.to_owned(),
+        parameter: parameter.to_owned(),
+        storage: "-".to_owned(),
+        flush: None,
+        predicted: None,
+        source: String::new(),
+        measured: None,
+        device: None,
+    }
+}
+
+/// An empty column: its front is its end, z = 1, so that c is c·z.
+const EMPTY: Slab = Slab {
+    extinction_per_m: 0.0,
+    share: 0.0,
+};
+
+fn esm() -> Result<Vec<Threshold>> {
+    let mut out = Vec::new();
+    let map = |form: &str, c: f64| Map::new("esm", &[("form", form), ("c", &c.to_string())]);
+    let fails = |form: &str, rounding: Rounding, nan: bool, c: f64| -> bool {
+        // c is in the parameter's range, so that the method exists.
+        map(form, c).is_ok_and(|map| match nan {
+            true => map.transmittance(&EMPTY, 1.0, &rounding).is_nan(),
+            false => map
+                .stored(&EMPTY, &rounding)
+                .iter()
+                .any(|v| v.is_infinite()),
+        })
+    };
+    let stored_ends = [
+        ("f16", 65_520_f64.ln(), "ln 65520: f16 rounds to inf"),
+        ("f32", 128.0 * LN_2, "128 ln 2: f32 rounds to inf"),
+    ];
+    for (storage, predicted, source) in stored_ends {
+        let rounding = Rounding::device(storage, false);
+        out.push(Threshold {
+            storage: storage.to_owned(),
+            predicted: Some(predicted),
+            source: source.to_owned(),
+            measured: bisect(1.0, SEARCHED, HALVINGS, |c| {
+                fails("published", rounding, false, c)
+            }),
+            ..row("esm published", OVERFLOW, "c·z")
+        });
+    }
+    let decays = [
+        (
+            "f16",
+            true,
+            126.0 * LN_2,
+            "126 ln 2: e^(−c) flushes to 0, inf·0",
+        ),
+        (
+            "f32",
+            true,
+            128.0 * LN_2,
+            "128 ln 2: e^(−c) is 0 before e^c is inf",
+        ),
+        (
+            "f16",
+            false,
+            150.0 * LN_2,
+            "150 ln 2: e^(−c) rounds to 0, inf·0",
+        ),
+        (
+            "f32",
+            false,
+            150.0 * LN_2,
+            "150 ln 2: e^(−c) rounds to 0, inf·0",
+        ),
+    ];
+    for (storage, flush, predicted, source) in decays {
+        let rounding = Rounding::device(storage, flush);
+        out.push(Threshold {
+            storage: storage.to_owned(),
+            flush: Some(flush),
+            predicted: Some(predicted),
+            source: source.to_owned(),
+            measured: bisect(1.0, SEARCHED, HALVINGS, |c| {
+                fails("published", rounding, true, c)
+            }),
+            ..row("esm published", NAN, "c·z")
+        });
+    }
+    out.push(Threshold {
+        storage: "f16".to_owned(),
+        flush: Some(true),
+        source: "stores z ≤ 1".to_owned(),
+        measured: bisect(1.0, SEARCHED, HALVINGS, |c| {
+            let rounding = Rounding::device("f16", true);
+            fails("stable", rounding, false, c) || fails("stable", rounding, true, c)
+        }),
+        ..row("esm stable", "stores inf or returns NaN", "c·z")
+    });
+    Ok(out)
+}
+
+fn fom() -> Result<Vec<Threshold>> {
+    let mut out = Vec::new();
+    let rounding = Rounding::device("f32", true);
+    for (form, predicted, source) in [
+        (
+            "published",
+            Some(25.0 * LN_2),
+            "25 ln 2: α = 1 − e^(−τ) rounds to 1",
+        ),
+        ("stable", None, "stores 2σΔs, scaled below 6e4"),
+    ] {
+        let map = Map::new("fom", &[("form", form)])?;
+        // The first of 100 steps holds everything.
+        let slab = |tau: f64| Slab {
+            extinction_per_m: 100.0 * tau,
+            share: 0.01,
+        };
+        out.push(Threshold {
+            predicted,
+            source: source.to_owned(),
+            measured: bisect(1.0, SEARCHED, HALVINGS, |tau| {
+                map.stored(&slab(tau), &rounding)
+                    .iter()
+                    .any(|v| !v.is_finite())
+            }),
+            ..row(&format!("fom {form}"), "stores inf or NaN", THICKNESS)
+        });
+    }
+    let of_excess = |excess: f64| thickness_of_opacity(1.0 + excess, &rounding);
+    out.push(Threshold {
+        predicted: Some(-(2f64.powi(-25))),
+        source: "f32 rounds to 1 from 1 − 2⁻²⁵ on".to_owned(),
+        measured: bisect(-1e-6, 0.0, HALVINGS, |x| !of_excess(x).is_finite()),
+        ..row("fom published", "adds inf", "α − 1")
+    });
+    out.push(Threshold {
+        predicted: Some(2f64.powi(-24)),
+        source: "f32 rounds above 1 from 1 + 2⁻²⁴ on: the logarithm of a negative number"
+            .to_owned(),
+        measured: bisect(0.0, 1e-6, HALVINGS, |x| of_excess(x).is_nan()),
+        ..row("fom published", "adds NaN", "α − 1")
+    });
+    Ok(out)
+}
+
+/// Wrong, but finite: what the thesis text returns where the stable form returns 1.
+fn bsm() -> Result<Vec<Threshold>> {
+    let map = Map::new("bsm", &[("form", "published")])?;
+    let rounding = Rounding::device("f32", true);
+    let uniform = |tau: f64| Slab {
+        extinction_per_m: tau,
+        share: 1.0,
+    };
+    let at = |tau: f64, depth: f64| map.transmittance(&uniform(tau), depth, &rounding);
+    let thin = 0.009_f64;
+    let largest = (0..=1000u32)
+        .map(|k| at(10.0, f64::from(k) / 1000.0))
+        .fold(0.0, f64::max);
+    Ok(vec![
+        Threshold {
+            predicted: Some(1.0 / E),
+            source: "exp(−od)·od is largest at od = 1".to_owned(),
+            measured: Some(largest),
+            ..row("bsm published", "largest T of any column, 1 is right", "T")
+        },
+        Threshold {
+            predicted: Some(0.0),
+            source: "exp(−od)·od at od = 0".to_owned(),
+            measured: Some(at(10.0, 0.0)),
+            ..row("bsm published", "T before the cloud, 1 is right", "T")
+        },
+        Threshold {
+            predicted: Some((-thin).exp() * thin),
+            source: "front −1: the whole τ = 0.009 lies in front of the column".to_owned(),
+            measured: Some(at(thin, 0.0)),
+            ..row(
+                "bsm published",
+                "T before a cloud too thin for a front, 1 is right",
+                "T",
+            )
+        },
+    ])
+}
+
+/// Searches on the device: tiny scenes under a zenith sun.
+struct Device<'a> {
+    renderer: &'a Renderer,
+    /// Medium in the last cell of every column: z = 0.99.
+    deep: Scene,
+    /// A uniform medium, one step a column.
+    uniform: Scene,
+}
+
+/// Front of the columns of [`Device::deep`], over their length: the near edge of the last of 100 steps.
+const DEEP_FRONT: f64 = 0.99;
+/// Edge of the box, metres.
+const EDGE_M: f64 = 1000.0;
+/// Halvings on the device: three digits.
+const DEVICE_HALVINGS: u32 = 14;
+/// c is searched up to here on the device.
+const DEVICE_C: f64 = 200.0;
+/// τ of a step is searched up to here on the device.
+const DEVICE_TAU: f64 = 1000.0;
+
+impl<'a> Device<'a> {
+    fn new(renderer: &'a Renderer, folder: &Path) -> Result<Self> {
+        let deep = VolumeFile {
+            cells: [1, 128, 1],
+            fill: vec![Fill {
+                from: [0, 0, 0],
+                to: [1, 1, 1],
+                value: 1.0,
+            }],
+        };
+        let name = "threshold-deep";
+        write_volumes(folder, &[(name.to_owned(), deep)].into())?;
+        let volume = folder.join("inputs").join(format!("{name}.npy"));
+        Ok(Self {
+            renderer,
+            deep: scene(serde_json::json!({"volume": {"path": volume, "up_axis": 1}}))?,
+            uniform: scene(serde_json::json!({"uniform": {"value": 1.0}}))?,
+        })
+    }
+
+    fn find(&self, threshold: &Threshold) -> Option<Found> {
+        let form = threshold.form.split(' ').nth(1)?;
+        let stored = threshold.what != NAN;
+        let found = match (
+            threshold.form.split(' ').next()?,
+            threshold.parameter.as_str(),
+        ) {
+            ("esm", _) => self.search(DEVICE_C, |c| {
+                let setup = self.setup("esm", form, &threshold.storage)?;
+                let setup = setup.with("c", &(c / DEEP_FRONT).to_string())?;
+                self.fails(&self.deep, &setup, stored, !stored)
+            }),
+            ("fom", THICKNESS) => self.search(DEVICE_TAU, |tau| {
+                let mut scene = self.uniform.clone();
+                scene.medium.extinction_per_m = tau / EDGE_M;
+                let setup = self.setup("fom", form, "f32")?.with("steps", "1")?;
+                self.fails(&scene, &setup, true, true)
+            }),
+            _ => return None,
+        };
+        Some(found.unwrap_or_else(|error| Found::Failed(error.to_string())))
+    }
+
+    fn setup(&self, id: &str, form: &str, storage: &str) -> Result<MethodSetup> {
+        MethodSetup::defaults(id)?
+            .with("form", form)?
+            .with("storage", storage)?
+            .with("resolution", "4")
+    }
+
+    fn fails(&self, scene: &Scene, setup: &MethodSetup, stored: bool, shown: bool) -> Result<bool> {
+        let image = ImageSize {
+            width: 8,
+            height: 8,
+        };
+        let view = self.renderer.view(scene, image)?;
+        let (frame, nonfinite_stored) = render(self.renderer, &view, setup)?;
+        Ok(stored && nonfinite_stored > 0 || shown && nonfinite(&frame) > 0)
+    }
+
+    /// [`bisect`] with a test that can fail itself.
+    fn search(&self, high: f64, fails: impl Fn(f64) -> Result<bool>) -> Result<Found> {
+        let limit = high;
+        if !fails(high)? {
+            return Ok(Found::NotUpTo(limit));
+        }
+        let (mut low, mut high) = (1.0, high);
+        for _ in 0..DEVICE_HALVINGS {
+            let middle = 0.5 * (low + high);
+            if fails(middle)? {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        Ok(Found::At(high))
+    }
+}
+
+/// A box under a zenith sun, its lowest metres seen from the side.
+fn scene(density: serde_json::Value) -> Result<Scene> {
+    let scene = serde_json::json!({
+        "name": "threshold",
+        "container": {"box": {"min_m": [0, 0, 0], "max_m": [EDGE_M, EDGE_M, EDGE_M]}},
+        "density": density,
+        "medium": {"extinction_per_m": 1.0},
+        "sun": {"elevation_deg": 90, "azimuth_deg": 0, "irradiance": [1, 1, 1]},
+        "camera": {"position_m": [500, 6, -1500], "target_m": [500, 6, 500], "fov_y_deg": 0.4},
+        "march": {"steps": 16}
+    });
+    serde_json::from_value(scene).map_err(|e| {
+        Error::input(
+            "thresholds",
+            e.to_string(),
+            "This is a defect of the program; please report it.",
+        )
+    })
+}
