@@ -88,7 +88,8 @@ fn ringing_and_the_clamp_are_marked() {
         bytes.extend((if layer == 10 { 1.0_f32 } else { 0.0 }).to_le_bytes());
     }
     std::fs::write(folder.path().join("cube.npy"), bytes).unwrap();
-    let output = probe(folder.path(), &["--pixel", "12,5", "-o", "thin.svg"]);
+    let place = ["--column", "0.5,0.5", "--sun-elevation", "80"];
+    let output = probe(folder.path(), &[&place[..], &["-o", "thin.svg"]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let (columns, marks) = table(&folder.path().join("thin.csv"));
     assert!(marks.iter().any(|m| m.contains("fom:outside")), "{marks:?}");

@@ -140,7 +140,7 @@ fn marks(canvas: &Canvas<'_>, plot: &Plot, probe: &Probe, curve: &Curve) -> Resu
             plot.py(curve.transmittance[from]),
         );
         canvas.marker(at, 8.0, style, true)?;
-        let label = (at.0, at.1 - 16);
+        let label = (at.0, at.1 + 20);
         canvas.text(label, "D_max", SMALL, INK, Hang::Middle)?;
     }
     Ok(())
