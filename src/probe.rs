@@ -12,6 +12,8 @@ const FINER: f64 = 10.0;
 const MOST_PARTS: f64 = 1000.0;
 /// Changes of T below this are rounding.
 const ROUNDING: f64 = 1e-6;
+/// Differences of T below this are none.
+const LEVEL: f64 = 1e-9;
 /// The method whose optical depth ends at a stored D_max.
 const CLAMPED: &str = "bsm";
 
@@ -129,10 +131,11 @@ fn curve(setup: &MethodSetup, transmittance: Vec<f64>, truth: &[f64]) -> Result<
     })
 }
 
-/// The first of the values that equal the last, where there are several and something came before.
+/// The first of the values that equal the last, where there are several and something came before. Where the map is asked
+/// moves by rounding along a column, and so do shares of texels.
 fn levels_off(values: &[f64]) -> Option<usize> {
     let last = *values.last()?;
-    let first = values.iter().rposition(|v| *v != last)? + 1;
+    let first = values.iter().rposition(|v| (v - last).abs() > LEVEL)? + 1;
     (first + 1 < values.len()).then_some(first)
 }
 

@@ -56,6 +56,7 @@ fn bad_configurations_are_one_paragraph_with_place_and_remedy() {
 
 #[test]
 fn a_killed_batch_resumes_and_repeats_nothing() {
+    needs_adapter!();
     let folder = workplace(|_, e| e["runs"] = json!(40));
     let mut child = occlab(folder.path())
         .args(["batch", "small.json", "--out", "out", "--quiet"])

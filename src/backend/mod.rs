@@ -36,7 +36,7 @@ pub enum Choice {
 /// Renders views.
 pub enum Backend {
     /// On a device.
-    Device(Renderer),
+    Device(Box<Renderer>),
     /// In f64 on the CPU.
     Oracle(OracleBackend),
 }
@@ -57,7 +57,7 @@ pub struct View {
 }
 
 enum ViewKind {
-    Device(raymarch::View),
+    Device(Box<raymarch::View>),
     Oracle(Rc<Oracle>),
 }
 
@@ -68,7 +68,8 @@ impl Backend {
         if choice == Choice::Cpu || fall_back {
             return Ok(Self::Oracle(OracleBackend::default()));
         }
-        Ok(Self::Device(Renderer::new(Gpu::new(adapter)?)))
+        let renderer = Renderer::new(Gpu::new(adapter)?);
+        Ok(Self::Device(Box::new(renderer)))
     }
 
     /// Is it the oracle?
@@ -111,7 +112,7 @@ impl Backend {
     /// Makes a scene ready for pictures of one size.
     pub fn view(&self, scene: &Scene, image: ImageSize) -> Result<View> {
         let kind = match self {
-            Self::Device(renderer) => ViewKind::Device(renderer.view(scene, image)?),
+            Self::Device(renderer) => ViewKind::Device(Box::new(renderer.view(scene, image)?)),
             Self::Oracle(oracles) => {
                 let mut last = oracles.last.borrow_mut();
                 let oracle = Rc::new(match &*last {

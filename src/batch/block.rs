@@ -8,6 +8,7 @@ use super::cell::{bare_cell, cell_id, record_failure, setup, times, view_id};
 use super::decompose::{Decomposer, Parts};
 use super::pictures::{write_compared, write_parts, write_picture};
 use super::record::{Cell, Measured, Reference};
+use super::view_steps::view_step_error;
 use super::{Event, Observer, Task, flicker, stage, tell};
 use crate::backend::{Prepared, View};
 use crate::config::{CellSpec, View as MatrixView};
@@ -325,34 +326,6 @@ impl<'a> Bench<'a> {
             .rel_rmse;
         self.floors.insert(key, error);
         Ok(Some(error))
-    }
-}
-
-/// `rel_rmse` of a scene's view steps against four times as many, and the seconds of the passes; see
-/// [`Reference::view_step_rel_rmse`].
-fn view_step_error(task: &Task, view: &View) -> Result<(Option<f64>, f64)> {
-    let camera_m = view.scene.camera.far_m.unwrap_or(f64::INFINITY);
-    let longest_m = view.scene.container.longest_path_m().min(camera_m);
-    let Some(march) = view.scene.march.quartered(longest_m) else {
-        return Ok((None, 0.0));
-    };
-    let mut finer = view.scene.clone();
-    finer.march = march;
-    let light = MethodSetup::defaults("srm")?
-        .with("spacing", "quadratic")?
-        .with("steps", "20")?;
-    let (own, own_times) = task
-        .backend
-        .render(&view.scene, view.image, &light, &mut unwatched)?;
-    let (finer, finer_times) = task
-        .backend
-        .render(&finer, view.image, &light, &mut unwatched)?;
-    let passes_s = (own_times.wall + finer_times.wall) * 1e-3;
-    match compare(&finer, &own) {
-        Ok(comparison) => Ok((Some(comparison.error.rel_rmse), passes_s)),
-        // Nothing of the cloud is lit: there is no error to speak of, and every cell says the same.
-        Err(Error::Input { .. }) => Ok((None, passes_s)),
-        Err(error) => Err(error),
     }
 }
 

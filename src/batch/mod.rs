@@ -8,6 +8,7 @@ mod flicker;
 mod pictures;
 pub mod record;
 mod store;
+mod view_steps;
 
 use crate::backend::Backend;
 use crate::config::{Experiment, Matrix, View as MatrixView, expand};

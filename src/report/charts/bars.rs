@@ -50,7 +50,7 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
             ],
             Clock::Wall => vec![(
                 Key::Swatch(INK, 1.0),
-                "map and view march: their parts have no times".to_owned(),
+                "map and view march together".to_owned(),
             )],
         };
         let top = legend(canvas, top, &keys)?;

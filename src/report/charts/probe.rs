@@ -4,7 +4,7 @@ use super::super::format::number;
 use super::super::style::Style;
 use super::axis::Axis;
 use super::canvas::{Canvas, GRID, Hang, INK, MUTED, Px, SMALL, ink_of, sheet};
-use super::plot::{Key, Plot, foot, legend, title};
+use super::plot::{Key, MAP_DASH, Plot, foot, legend, title};
 use crate::error::Result;
 use crate::probe::{Curve, Probe};
 use plotters::style::Color as _;
@@ -31,7 +31,7 @@ pub fn draw(probe: &Probe, of: &str, seen_m: Option<f64>) -> Result<String> {
         if let Some(depth_m) = seen_m {
             let [_, top, _, bottom] = plot.bounds;
             let x = plot.px(depth_m);
-            canvas.dashed(&[(x, top), (x, bottom)], MUTED, 1, &[6.0, 4.0])?;
+            canvas.dashed(&[(x, top), (x, bottom)], MUTED, 1, MAP_DASH)?;
         }
         line(canvas, &plot, probe, "truth", &probe.truth, 3)?;
         for (i, curve) in probe.curves.iter().enumerate() {
@@ -39,7 +39,7 @@ pub fn draw(probe: &Probe, of: &str, seen_m: Option<f64>) -> Result<String> {
             markers(canvas, &plot, probe, curve, i)?;
             marks(canvas, &plot, probe, curve)?;
         }
-        let note = "Grey: extinction. Methods at their defaults, maps with their own texels, steps and storage.";
+        let note = "Methods at their defaults, maps with their own texels, steps and storage.";
         foot(canvas, "Computed by the f64 oracle", HEIGHT, note)
     })
 }
@@ -65,16 +65,18 @@ fn keys(probe: &Probe, seen_m: Option<f64>) -> Vec<(Key, String)> {
             keys.push((Key::Hollow(style), text));
         }
     }
+    let text = format!("extinction, up to {} m⁻¹", number(densest(probe)));
+    keys.push((Key::Swatch(GRID, 1.0), text));
     if let Some(depth_m) = seen_m {
         let text = format!("the pixel's point, {} m", number(depth_m));
-        keys.push((Key::Frontier, text));
+        keys.push((Key::MapFrontier, text));
     }
     keys
 }
 
 /// Extinction as columns from the foot of the plot.
 fn profile(canvas: &Canvas<'_>, plot: &Plot, probe: &Probe) -> Result<()> {
-    let most = probe.extinction_per_m.iter().copied().fold(0.0, f64::max);
+    let most = densest(probe);
     if most <= 0.0 {
         return Ok(());
     }
@@ -85,9 +87,11 @@ fn profile(canvas: &Canvas<'_>, plot: &Plot, probe: &Probe) -> Result<()> {
         ];
         canvas.rect(corners, GRID)?;
     }
-    let at = (plot.bounds[2] - 6, plot.py(PROFILE + 0.03));
-    let text = format!("extinction, up to {} m⁻¹", number(most));
-    canvas.text(at, &text, SMALL, MUTED, Hang::Left)
+    Ok(())
+}
+
+fn densest(probe: &Probe) -> f64 {
+    probe.extinction_per_m.iter().copied().fold(0.0, f64::max)
 }
 
 fn points(plot: &Plot, probe: &Probe, values: &[f64]) -> Vec<Px> {
@@ -136,7 +140,7 @@ fn marks(canvas: &Canvas<'_>, plot: &Plot, probe: &Probe, curve: &Curve) -> Resu
             plot.py(curve.transmittance[from]),
         );
         canvas.marker(at, 8.0, style, true)?;
-        let label = (at.0, at.1 - 16);
+        let label = (at.0, at.1 + 20);
         canvas.text(label, "D_max", SMALL, INK, Hang::Middle)?;
     }
     Ok(())

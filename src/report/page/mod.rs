@@ -87,8 +87,9 @@ fn headline(view: &View<'_>, name: &str) -> Markup {
             @if environment.is_oracle() {
                 p.note {
                     "No adapter was used: the oracle rendered these pictures in f64 on the processor, each cell once. Stored "
-                    "values of maps are rounded as " code { "storage" } " says, nothing else is. Times are wall times of "
-                    "this processor and say nothing of a graphics processor; bytes of maps are what a device would allocate."
+                    "values of maps are rounded as " code { "storage" } " says, nothing else is. Times are wall times of one run on "
+                    "this processor, with whatever else it was doing, and say nothing of a graphics processor; bytes of maps "
+                    "are what a device would allocate."
                 }
             } @else if environment.device_type.eq_ignore_ascii_case("cpu") {
                 p.note {
