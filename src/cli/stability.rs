@@ -34,13 +34,6 @@ enum ProfileName {
 
 impl Stability {
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        // Paths inside the scenes must not depend on the working folder.
-        std::fs::create_dir_all(&self.out).map_err(|source| occlab::Error::Io {
-            path: self.out.clone(),
-            action: "create",
-            source,
-            remedy: "Choose another folder with --out.",
-        })?;
         let stability = load_stability(&self.config, &self.out, &Registry)?;
         let quiet = self.device.quiet;
         let wanted = self.device.adapter.as_deref();

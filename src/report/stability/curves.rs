@@ -13,7 +13,7 @@ pub struct Chart {
     svg: String,
 }
 
-/// The worst curves of every method and form: one with values that are not finite, one without.
+/// The worst curves of every method and form: one that rings, one that breaks, one with values that are not finite.
 pub fn charts(sweep: &Sweep) -> Result<Vec<Chart>> {
     let mut picked: Vec<(&Case, &Row, bool, f64)> = Vec::new();
     for case in &sweep.cases {
@@ -25,7 +25,8 @@ pub fn charts(sweep: &Sweep) -> Result<Vec<Chart>> {
             let holes = row.curve.iter().any(Option::is_none);
             let entry = (case, row, holes, badness(case, row));
             let key = |(_, r, h, _): &(&Case, &Row, bool, f64)| {
-                (r.setting.method.clone(), r.setting.form.clone(), *h)
+                let s = &r.setting;
+                (s.method.clone(), s.form.clone(), *h, r.flushed.verdict)
             };
             match picked.iter_mut().find(|p| key(p) == key(&entry)) {
                 Some(known) if known.3 < entry.3 => *known = entry,
@@ -37,7 +38,12 @@ pub fn charts(sweep: &Sweep) -> Result<Vec<Chart>> {
     picked.retain(|(_, _, _, badness)| *badness > 1e-3);
     picked.sort_by_key(|(_, row, holes, _)| {
         let s = &row.setting;
-        (s.method.clone(), s.form.clone(), !holes)
+        (
+            s.method.clone(),
+            s.form.clone(),
+            !holes,
+            row.flushed.verdict,
+        )
     });
     picked
         .iter()
@@ -45,8 +51,17 @@ pub fn charts(sweep: &Sweep) -> Result<Vec<Chart>> {
         .collect()
 }
 
-/// Mean |T − truth| of the drawn column; what is not finite counts 1.
+/// How much the drawn column shows: the largest rise of a curve that rings, else mean |T − truth|, where what is not
+/// finite counts 1.
 fn badness(case: &Case, row: &Row) -> f64 {
+    if row.flushed.verdict == Verdict::Rings {
+        let mut lowest = f32::INFINITY;
+        let rises = row.curve.iter().flatten().map(|t| {
+            lowest = lowest.min(*t);
+            t - lowest
+        });
+        return rises.fold(0.0, f32::max).into();
+    }
     let errors = row.curve.iter().zip(&case.truth);
     let sum: f64 = errors
         .map(|(t, truth)| t.map_or(1.0, |t| (f64::from(t) - truth).abs()))
@@ -95,7 +110,7 @@ pub fn section(charts: &[Chart]) -> Markup {
     html! {
         section #curves {
             h2 { "Where something breaks or rings" }
-            p { "Of each method and form the extreme with the worst curve; the first light column of the case." }
+            p { "Of each method and form the extreme that shows it most; the first light column of the case." }
             @if charts.is_empty() { p { "Nothing does." } }
             div.charts { @for chart in charts {
                 figure.chart {

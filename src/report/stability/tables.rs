@@ -44,7 +44,7 @@ pub fn thresholds(sweep: &Sweep) -> Markup {
             }
             figure.table {
                 figcaption { span.where { "Device: " (device(sweep)) } }
-                div.scroll tabindex="0" { table {
+                div.scroll tabindex="0" { table.limits {
                     thead { tr {
                         @for name in heads { th scope="col" { (name) } }
                         @for name in ["predicted", "oracle", "device"] { th.n scope="col" { (name) } }
