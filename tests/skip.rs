@@ -87,6 +87,23 @@ fn skipping_is_exact_in_procedural_clouds() {
     check_skipping(scene);
 }
 
+/// Decks of a box may lie below height 0.
+#[test]
+fn skipping_is_exact_below_height_zero() {
+    let mut scene = box_scene([-4000.0, -1500.0, -4000.0], [4000.0, -300.0, 4000.0], 0.04);
+    scene.name = "below zero".into();
+    let mut field = procedural(0.4);
+    field.detail = None;
+    (field.decks[0].base_m, field.decks[0].top_m) = (-1500.0, -300.0);
+    scene.density = Density::Procedural(field);
+    scene.camera.position_m = [0.0, -900.0, -9000.0];
+    scene.camera.target_m = [0.0, -900.0, 0.0];
+    scene.camera.fov_y_deg = 20.0;
+    scene.sun.elevation_deg = 35.0;
+    scene.march.step_m = Some(24.0);
+    check_skipping(scene);
+}
+
 #[test]
 fn skipping_is_exact_in_a_random_volume() {
     needs_adapter!();

@@ -44,7 +44,12 @@ impl<'a> Bounds<'a> {
             .iter()
             .map(|d| d.base_m)
             .fold(f64::INFINITY, f64::min);
-        let high_m = self.field.decks.iter().map(|d| d.top_m).fold(0.0, f64::max);
+        let high_m = self
+            .field
+            .decks
+            .iter()
+            .map(|d| d.top_m)
+            .fold(f64::NEG_INFINITY, f64::max);
         let first = (low_m / self.cell_m).floor();
         let layers = ((high_m / self.cell_m).ceil() - first) as usize;
         let across = (self.field.weather_tile_m / self.cell_m).round() as usize;
@@ -58,8 +63,10 @@ impl<'a> Bounds<'a> {
             [0.0, first * self.cell_m, 0.0],
             self.cell_m,
             |x, y, z| {
-                let level = first as usize + y;
-                let billow = self.billow[((z % n) * n + level % n) * n + x % n];
+                // A box may reach below height 0.
+                let level = first as i64 + y as i64;
+                let row = level.rem_euclid(n as i64) as usize;
+                let billow = self.billow[((z % n) * n + row) * n + x % n];
                 self.field
                     .decks
                     .iter()
