@@ -2,11 +2,10 @@
 
 mod common;
 
+use common::formula::{Formula, mapped, marched};
 use common::{box_scene, cube_density, cumulus, hashed, setup, size, write_cube};
 use glam::DVec3;
 use occlab::occlusion::MethodSetup;
-use occlab::occlusion::rounding::Rounding;
-use occlab::occlusion::twin::{Column, LightRay, LookUp, Twin};
 use occlab::oracle::{Options, Oracle};
 use occlab::scene::{Ambient, Container, Density, Scene};
 use std::f64::consts::PI;
@@ -24,48 +23,6 @@ fn close(what: &str, measured: f64, expected: f64, tolerance: f64) {
 fn visibility(oracle: &Oracle, setup: &MethodSetup, p: DVec3) -> f64 {
     let occlusion = oracle.prepare(setup, Options::default()).unwrap();
     occlusion.visibility(p, 0.5)
-}
-
-/// A way made of a formula.
-struct Formula<F> {
-    length_m: f64,
-    extinction_per_m: F,
-}
-
-impl<F: Fn(f64) -> f64> LightRay for Formula<F> {
-    fn length_m(&self) -> f64 {
-        self.length_m
-    }
-
-    fn extinction_per_m(&self, s_m: f64) -> f64 {
-        (self.extinction_per_m)(s_m)
-    }
-}
-
-fn marched(setup: &MethodSetup, ray: &dyn LightRay) -> f64 {
-    match setup.method.oracle(&setup.params).unwrap() {
-        Twin::March(march) => march.transmittance(ray, 0.5),
-        Twin::Map(_) => panic!("has a map"),
-    }
-}
-
-/// V at `depth_m` of a column that is the longest of its map.
-fn mapped(setup: &MethodSetup, ray: &dyn LightRay, depth_m: f64, rounding: &Rounding) -> f64 {
-    let Twin::Map(map) = setup.method.oracle(&setup.params).unwrap() else {
-        panic!("has no map");
-    };
-    let (steps, sampling) = (
-        setup.params.int("steps").unwrap(),
-        setup.params.choice("sampling").unwrap(),
-    );
-    let column = Column::march(ray, steps, sampling, ray.length_m());
-    let values = map.encode(&column, rounding);
-    let stored: Vec<f64> = values.iter().map(|v| rounding.stored(*v)).collect();
-    let look_up = LookUp {
-        depth: depth_m / ray.length_m(),
-        length: 1.0,
-    };
-    map.transmittance(&stored, look_up, rounding)
 }
 
 /// A slab under an oblique sun, seen on a slanted ray: depth below the top grows linearly along it, so
@@ -183,7 +140,7 @@ fn exponential_atmosphere_and_refinement_order() {
     // The same for a map that stores the whole column, at its far end.
     let column = |params: &str| {
         let setup = setup("floor", params);
-        (-mapped(&setup, &ray, length, &Rounding::EXACT).ln() - tau).abs() / tau
+        (-mapped(&setup, &ray, length).ln() - tau).abs() / tau
     };
     let midpoint = column("steps=50") / column("steps=100");
     let end = column("steps=100 sampling=end") / column("steps=200 sampling=end");
@@ -368,7 +325,7 @@ fn maps_are_exact_for_homogeneous_columns() {
         ("fom", "order=5 bounds=texel form=published"),
     ] {
         for depth in [0.0, 37.0, 600.0, 1200.0] {
-            let v = mapped(&setup(id, params), &ray, depth, &Rounding::EXACT);
+            let v = mapped(&setup(id, params), &ray, depth);
             close(&format!("{id} {params}"), v, (-sigma * depth).exp(), 1e-9);
         }
     }
@@ -391,79 +348,8 @@ fn fourier_series_of_a_spike() {
             ((turn * (x - x0)).sin() + (turn * x0).sin()) / (PI * f64::from(k))
         };
         let tau: f64 = weight * (x + (1..=4).map(wave).sum::<f64>());
-        let v = mapped(&setup, &ray, x * length, &Rounding::EXACT);
+        let v = mapped(&setup, &ray, x * length);
         close("V", v, (-tau.max(0.0)).exp(), 1e-9);
-    }
-}
-
-/// First value in `[low, high]` at which `fails`, by bisection.
-fn threshold(mut low: f64, mut high: f64, fails: impl Fn(f64) -> bool) -> f64 {
-    assert!(
-        !fails(low) && fails(high),
-        "{low}…{high} does not bracket it"
-    );
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if fails(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    high
-}
-
-/// Where the published forms fail: ESM stores inf from e^(cz) = 65520 and 2¹²⁸, and inf·0 = NaN where e^(−cd) is 0: below
-/// 2⁻¹²⁶ flushed, 2⁻¹⁵⁰ not. FOM's α rounds to 1 at τ = 25 ln 2. The stable forms do not.
-#[test]
-fn published_forms_fail_where_their_formats_end() {
-    // Nothing but the very end of the column: z = d = 1.
-    let empty = Formula {
-        length_m: 1000.0,
-        extinction_per_m: |_: f64| 0.0,
-    };
-    let esm = |form: &str, c: f64, storage: &str, flush: bool, depth_m: f64| {
-        let setup = setup("esm", &format!("form={form} c={c}"));
-        mapped(&setup, &empty, depth_m, &Rounding::device(storage, flush))
-    };
-    let overflows = |storage: &'static str| {
-        // In front of an infinite value everything is lit; a finite one decays to 1 at its own depth.
-        threshold(1.0, 100.0, |c| {
-            let rounding = Rounding::device(storage, false);
-            rounding.stored(rounding.computed(c.exp())).is_infinite()
-        })
-    };
-    close("f16 overflow", overflows("f16"), 65_520_f64.ln(), 1e-3);
-    close("f32 overflow", overflows("f32"), 128.0 * 2f64.ln(), 1e-3);
-    for (storage, flush, expected) in [
-        ("f16", true, 126.0 * 2f64.ln()),
-        ("f32", true, 128.0 * 2f64.ln()),
-        ("f16", false, 150.0 * 2f64.ln()),
-        ("f32", false, 150.0 * 2f64.ln()),
-    ] {
-        let c = threshold(1.0, 200.0, |c| {
-            esm("published", c, storage, flush, 1000.0).is_nan()
-        });
-        println!("ESM published {storage}, flush {flush}: NaN from c·z = {c:.2}");
-        close("NaN", c, expected, 1e-4);
-    }
-    let solid = |tau: f64| Formula {
-        length_m: 1000.0,
-        extinction_per_m: move |s: f64| if s < 10.0 { tau / 10.0 } else { 0.0 },
-    };
-    let fom = |form: &str, tau: f64| {
-        let setup = setup("fom", &format!("form={form}"));
-        mapped(&setup, &solid(tau), 900.0, &Rounding::device("f32", true))
-    };
-    let tau = threshold(1.0, 30.0, |tau| !fom("published", tau).is_finite());
-    println!("FOM published: not finite from τ = {tau:.2}");
-    close("FOM", tau, 25.0 * 2f64.ln(), 1e-3);
-    for x in [1.0, 17.0, 90.0, 1e3, 1e5] {
-        assert!((0.0..=1.0).contains(&fom("stable", x)), "{x}");
-        assert!(
-            (0.0..=1.0).contains(&esm("stable", x, "f16", true, 700.0)),
-            "{x}"
-        );
     }
 }
 

@@ -90,6 +90,7 @@ fn skipping_is_exact_in_procedural_clouds() {
 /// Decks of a box may lie below height 0.
 #[test]
 fn skipping_is_exact_below_height_zero() {
+    needs_adapter!();
     let mut scene = box_scene([-4000.0, -1500.0, -4000.0], [4000.0, -300.0, 4000.0], 0.04);
     scene.name = "below zero".into();
     let mut field = procedural(0.4);

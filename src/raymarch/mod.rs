@@ -17,7 +17,6 @@ pub use view::View;
 
 use crate::density::DensityField;
 use crate::error::Result;
-use crate::frame::Frame;
 use crate::gpu::{Defs, Gpu, Kernel, Program};
 use crate::occlusion::MethodSetup;
 use crate::scene::ImageSize;
@@ -111,19 +110,5 @@ impl Renderer {
     /// The same with counters instead of a clock.
     pub fn prepare_counting(&self, view: &View, setup: &MethodSetup) -> Result<Prepared> {
         Prepared::new(self, view, setup, true)
-    }
-
-    /// One picture, start to end.
-    pub fn render(
-        &self,
-        scene: &Scene,
-        image: ImageSize,
-        setup: &MethodSetup,
-        progress: Progress,
-    ) -> Result<(Frame, PassTimes)> {
-        let view = self.view(scene, image)?;
-        let prepared = self.prepare(&view, setup)?;
-        let times = prepared.run(&self.gpu, progress)?;
-        Ok((view.read(&self.gpu)?, times))
     }
 }

@@ -14,7 +14,7 @@ const DEPTHS: u32 = 65;
 const TRUTH_SUBSTEPS: u32 = 64;
 /// Beyond `[0, 1]`, and a rise of T, from here on: f32 and f64 rounding stay below.
 const TOLERANCE: f64 = 1e-6;
-/// METHODS.md: τ̂ stays below 1.19 τ; f16 coefficients add 2⁻¹¹ each.
+/// Behind a thin, thick sheet the truncated series overshoots to τ̂ = 1.19 τ (Gibbs); f16 coefficients add 2⁻¹¹ each.
 const OVERSHOOT: f64 = 1.2;
 /// Directions of view rays through which columns are laid, in half pictures: no pixel centre and no texel edge.
 const DIRECTIONS: [[f64; 2]; 5] = [

@@ -26,7 +26,7 @@ pub struct Threshold {
     pub storage: String,
     /// Denormals flushed to zero; `None` where it does not matter.
     pub flush: Option<bool>,
-    /// What METHODS.md and the number formats say; `None` = never.
+    /// What the number formats say; `None` = never.
     pub predicted: Option<f64>,
     /// Where the prediction comes from.
     pub source: String,

@@ -1,6 +1,9 @@
 //! Scenes, volumes and rendering shared by the integration tests. A test binary opens one adapter.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub mod agreement;
+pub mod formula;
+
 use glam::DVec3;
 use occlab::frame::Frame;
 use occlab::gpu::Gpu;
@@ -100,16 +103,26 @@ pub fn setup(id: &str, params: &str) -> MethodSetup {
         })
 }
 
+/// Whether a method of the registry has a map.
+pub fn has_map(id: &str) -> bool {
+    let setup = setup(id, "");
+    let plan = setup.method.plan(&setup.params).unwrap();
+    plan.map_values.is_some()
+}
+
+/// The method with `params`, and with `map` if it has one.
+pub fn with_map(id: &str, map: &str, params: &str) -> MethodSetup {
+    setup(
+        id,
+        &format!("{} {params}", if has_map(id) { map } else { "" }),
+    )
+}
+
 /// One picture; the scene must be valid.
 pub fn render(scene: &Scene, image: ImageSize, setup: &MethodSetup) -> Frame {
     scene.validate().unwrap();
     let (scene, setup) = (scene.clone(), setup.clone());
-    on_gpu(move |renderer| {
-        renderer
-            .render(&scene, image, &setup, &mut unwatched)
-            .unwrap()
-            .0
-    })
+    on_gpu(move |renderer| render_view(renderer, &renderer.view(&scene, image).unwrap(), &setup))
 }
 
 /// One picture of a view that exists already.

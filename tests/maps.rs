@@ -1,11 +1,14 @@
-//! Thousands of single light columns: every texel of a map as the device stored it against the oracle's.
+//! Light maps: what their texels hold, thousands of single columns against the oracle's; their memory; what lies outside.
 
 #[macro_use]
 mod common;
 
-use common::{box_scene, cube_density, hashed, on_gpu, setup, write_cube};
-use occlab::occlusion::MethodSetup;
+use common::{
+    box_scene, count_view, cube_density, has_map, hashed, on_gpu, reds, relative_rmse, render_view,
+    setup, size, write_cube,
+};
 use occlab::occlusion::rounding::Rounding;
+use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::oracle::{Options, Oracle};
 use occlab::raymarch::unwatched;
 use occlab::scene::{ImageSize, Scene};
@@ -110,5 +113,81 @@ fn columns_hold_what_the_equations_say() {
             assert!(right <= 0.005, "{id} {params}: {right}");
             assert!(control > 0.2, "{id} {wrong}: passed for {params}");
         }
+    });
+}
+
+/// Payload: values × bytes × texels, 1 : 3 : 7 (thesis M). Allocation: no texel has three channels.
+#[test]
+fn memory_follows_from_values_and_format() {
+    needs_adapter!();
+    let scene = box_scene([0.0; 3], [1.0; 3], 1.0);
+    on_gpu(move |renderer| {
+        let single = renderer
+            .gpu
+            .device
+            .features()
+            .contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
+        let view = renderer.view(&scene, size(4, 4)).unwrap();
+        let methods = [
+            ("esm", "", 1),
+            ("bsm", "", 3),
+            ("fom", "", 7),
+            ("fom", "bounds=texel", 9),
+            ("fom", "order=7", 15),
+        ];
+        for (id, extra, values) in methods {
+            for (storage, bytes) in [("f16", 2), ("f32", 4)] {
+                for resolution in [1, 64, 100] {
+                    let text = format!("{extra} storage={storage} resolution={resolution}");
+                    let memory = renderer.prepare(&view, &setup(id, &text)).unwrap().memory;
+                    let texels = resolution * resolution;
+                    assert_eq!(memory.payload_bytes, values * bytes * texels, "{id} {text}");
+                    let channels = if values == 1 && (single || bytes == 4) {
+                        1
+                    } else {
+                        4 * values.div_ceil(4)
+                    };
+                    assert_eq!(memory.map_bytes, channels * bytes * texels, "{id} {text}");
+                }
+            }
+        }
+        for id in REGISTRY
+            .iter()
+            .map(|m| m.info().id)
+            .filter(|id| !has_map(id))
+        {
+            let memory = renderer.prepare(&view, &setup(id, "")).unwrap().memory;
+            assert_eq!((memory.payload_bytes, memory.map_bytes), (0, 0), "{id}");
+        }
+    });
+}
+
+/// A cloud of three pixels between the rays that look for what the view sees: every look-up falls outside the map, is
+/// marched and counted, and is what a march of six quadratic steps gives.
+#[test]
+fn what_no_map_covers_is_marched_and_counted() {
+    needs_adapter!();
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = box_scene([1.0, 0.8, 100.0], [2.0, 1.8, 101.0], 2.0);
+    scene.density = cube_density(write_cube(folder.path(), 12, |x, y, z| {
+        hashed(x / 3, y / 3, z / 3)
+    }));
+    (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (50.0, 30.0);
+    scene.camera.position_m = [0.0; 3];
+    scene.camera.target_m = [0.0, 0.0, 1.0];
+    scene.camera.fov_y_deg = 45.0;
+    scene.validate().unwrap();
+    on_gpu(move |renderer| {
+        let view = renderer.view(&scene, size(400, 225)).unwrap();
+        let marched = |steps| render_view(renderer, &view, &setup("srm", steps));
+        let (six, five) = (marched("steps=6"), marched("steps=5"));
+        let bsm = setup("bsm", "resolution=128 steps=64");
+        let mapped = render_view(renderer, &view, &bsm);
+        let counts = count_view(renderer, &view, &bsm);
+        assert!(counts.look_ups > 100 && counts.fallbacks == counts.look_ups);
+        let error = relative_rmse(reds(&mapped, &six));
+        let control = relative_rmse(reds(&mapped, &five));
+        assert!(error <= 1e-6, "{error:.1e}");
+        assert!(control > 1e-3, "five steps passed for six: {control:.1e}");
     });
 }
