@@ -47,8 +47,13 @@ pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
             ),
             (
                 "error-steps",
-                "Error against steps",
-                steps::draw(view, case)?,
+                steps::COUNT.title,
+                steps::draw(view, case, &steps::COUNT)?,
+            ),
+            (
+                "error-step-length",
+                steps::LENGTH.title,
+                steps::draw(view, case, &steps::LENGTH)?,
             ),
             ("time", "Time of each cell", bars::draw(view, case)?),
             (

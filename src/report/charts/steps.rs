@@ -1,4 +1,4 @@
-//! Error against the number of steps, one line for each method and remaining setting.
+//! Error against the number or the length of steps, one line for each method and remaining setting.
 
 use super::super::style::Style;
 use super::super::view::{Case, View, distinct};
@@ -7,7 +7,31 @@ use super::canvas::{ink_of, sheet};
 use super::plot::{ERROR_TITLE, Key, Plot, caption, legend, title};
 use crate::error::Result;
 
-/// Cells that differ in nothing but `steps`.
+/// What is on the horizontal axis.
+pub struct Sweep {
+    param: &'static str,
+    /// Heading of the chart.
+    pub title: &'static str,
+    axis: &'static str,
+    note: &'static str,
+}
+
+/// Error against the number of steps of the light or map march.
+pub const COUNT: Sweep = Sweep {
+    param: "steps",
+    title: "Error against steps",
+    axis: "steps of the light or map march (log)",
+    note: "Each line: one method at one setting of everything but its steps.",
+};
+/// Error against the length of steps: how far the truth has converged.
+pub const LENGTH: Sweep = Sweep {
+    param: "step_m",
+    title: "Error against step length",
+    axis: "step of the light march (m, log)",
+    note: "Each line: one method at one setting of everything but its step. The truth's own step has no error.",
+};
+
+/// Cells that differ in nothing but what is swept.
 struct Line<'a> {
     method: &'a str,
     label: String,
@@ -23,9 +47,9 @@ const PATTERNS: [&[f64]; 5] = [
     &[14.0, 5.0],
 ];
 
-/// Error against steps; `None` when no setting was measured at two numbers of steps.
-pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
-    let lines = lines(view, case);
+/// The chart; `None` when no setting was measured at two values of the sweep.
+pub fn draw(view: &View<'_>, case: &Case<'_>, sweep: &Sweep) -> Result<Option<String>> {
+    let lines = lines(view, case, sweep.param);
     if lines.is_empty() {
         return Ok(None);
     }
@@ -43,14 +67,14 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     let rows = i32::try_from(lines.len() / 2).unwrap_or(0).min(30);
     let height = 500 + 16 * rows;
     let svg = sheet(height, |canvas| {
-        let top = title(canvas, "Error against steps", &case.short_name)?;
+        let top = title(canvas, sweep.title, &case.short_name)?;
         let keys: Vec<_> = styled
             .iter()
             .map(|(l, s, p)| (Key::Line(*s, p), l.label.clone()))
             .collect();
         let top = legend(canvas, top, &keys)?;
         let all = || lines.iter().flat_map(|l| l.points.iter());
-        let x = Axis::log_at("steps of the light or map march (log)", all().map(|p| p.0));
+        let x = Axis::log_at(sweep.axis, all().map(|p| p.0));
         let y = Axis::log(ERROR_TITLE, "0", all().map(|p| p.1));
         let plot = Plot::new(top, height, 84, x, y);
         plot.draw(canvas)?;
@@ -64,32 +88,27 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
             path.iter()
                 .try_for_each(|at| canvas.marker(*at, 4.0, *style, false))?;
         }
-        caption(
-            canvas,
-            view,
-            height,
-            "Each line: one method at one setting of everything but its steps.",
-        )
+        caption(canvas, view, height, sweep.note)
     })?;
     Ok(Some(svg))
 }
 
-fn lines<'a>(view: &View<'_>, case: &Case<'a>) -> Vec<Line<'a>> {
+fn lines<'a>(view: &View<'_>, case: &Case<'a>, param: &'static str) -> Vec<Line<'a>> {
     let mut groups: Vec<(Vec<(&String, &serde_json::Value)>, Line<'a>)> = Vec::new();
     for shot in case.shots() {
         let cell = shot.cell;
-        let Some(steps) = cell.params.get("steps").and_then(serde_json::Value::as_f64) else {
+        let Some(value) = cell.params.get(param).and_then(serde_json::Value::as_f64) else {
             continue;
         };
-        let key: Vec<_> = cell.params.iter().filter(|(k, _)| *k != "steps").collect();
-        let point = (steps, shot.rel_rmse());
+        let key: Vec<_> = cell.params.iter().filter(|(k, _)| *k != param).collect();
+        let point = (value, shot.rel_rmse());
         match groups
             .iter_mut()
             .find(|(k, l)| l.method == cell.method && *k == key)
         {
             Some((_, line)) => line.points.push(point),
             None => {
-                let label = view.short_without(cell, &["steps"]);
+                let label = view.short_without(cell, &[param]);
                 groups.push((
                     key,
                     Line {

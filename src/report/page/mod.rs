@@ -68,6 +68,8 @@ fn headline(view: &View<'_>, name: &str) -> Markup {
     let methods = distinct(cells.iter().map(|c| c.method.as_str()));
     let scenes = distinct(cells.iter().map(|c| c.scene.as_str())).len();
     let suns = distinct(cells.iter().map(|c| c.sun_elevation_deg)).len();
+    let mut measured = cells.iter().filter_map(|c| c.result.as_ref());
+    let decomposed = measured.any(|m| m.decomposition.is_some());
     html! {
         header {
             p.kicker { "occlab · how clouds shadow themselves" }
@@ -99,9 +101,11 @@ fn headline(view: &View<'_>, name: &str) -> Markup {
             }
             nav {
                 @for (anchor, text) in [
-                    ("which", "Which method?"), ("pictures", "Pictures"), ("charts", "Charts"), ("cells", "All cells"),
-                    ("references", "Truths"), ("environment", "Environment"), ("definitions", "Definitions"),
-                ] { a href={ "#" (anchor) } { (text) } }
+                    ("which", "Which method?"), ("pictures", "Pictures"), ("errors", "Three errors"), ("charts", "Charts"),
+                    ("cells", "All cells"), ("references", "Truths"), ("environment", "Environment"), ("definitions", "Definitions"),
+                ] {
+                    @if anchor != "errors" || decomposed { a href={ "#" (anchor) } { (text) } }
+                }
             }
         }
     }
