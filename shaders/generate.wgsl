@@ -1,5 +1,6 @@
-// Map pass: one invocation a texel marches its column and stores what the method keeps of it.
+// Map pass: one invocation a texel marches its column and stores what the method keeps of it. A dispatch covers a tile.
 // Cost: resolution² × steps density samples at most.
+#import frame::tile
 #import map::map
 #import column::column_of
 #import occlusion::encode
@@ -10,11 +11,12 @@
 
 @compute @workgroup_size(8, 8)
 fn generate(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= vec2u(map.resolution)) {
+    let texel = tile.origin + id.xy;
+    if any(id.xy >= tile.size) || any(texel >= vec2u(map.resolution)) {
         return;
     }
-    encode(column_of(id.xy));
+    encode(column_of(texel));
 #ifdef COUNT
-    counts[id.y * map.resolution + id.x] = vec4u(medium::density_samples, 0u, 0u, 0u);
+    counts[texel.y * map.resolution + texel.x] = vec4u(medium::density_samples, 0u, 0u, 0u);
 #endif
 }

@@ -23,6 +23,7 @@ pub mod density;
 pub mod error;
 pub mod frame;
 pub mod gpu;
+pub mod live;
 pub mod metrics;
 pub mod occlusion;
 pub mod oracle;
@@ -31,5 +32,7 @@ pub mod raymarch;
 pub mod report;
 pub mod scene;
 pub mod stability;
+#[cfg(feature = "ui")]
+pub mod ui;
 
 pub use error::{Error, Result};

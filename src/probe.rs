@@ -1,7 +1,7 @@
 //! T(d) of every method along one light column, against the truth.
 
 use crate::error::Result;
-use crate::occlusion::{LightOcclusion, MethodSetup, REGISTRY};
+use crate::occlusion::{MethodSetup, REGISTRY};
 use crate::oracle::{LightColumn, Options, Oracle};
 
 /// Depths at which curves are asked, beside 0.
@@ -26,7 +26,7 @@ pub struct Probe {
     pub extinction_per_m: Vec<f64>,
     /// T(d) of the truth: cumulative midpoint quadrature in f64, at most a tenth of the truth's step.
     pub truth: Vec<f64>,
-    /// One curve a method of the registry but the truth, at its defaults, in the registry's order.
+    /// One curve a method that was asked, in that order.
     pub curves: Vec<Curve>,
 }
 
@@ -44,21 +44,28 @@ pub struct Curve {
 }
 
 impl Probe {
-    /// Asks every method of the registry.
+    /// Asks every method of the registry but the truth, at its defaults.
     pub fn new(oracle: &Oracle, column: &LightColumn) -> Result<Self> {
+        let others = REGISTRY.iter().filter(|m| m.info().id != "truth");
+        let setups: Vec<_> = others
+            .map(|m| MethodSetup::defaults(m.info().id))
+            .collect::<Result<_>>()?;
+        Self::of(oracle, column, &setups)
+    }
+
+    /// Asks these methods.
+    pub fn of(oracle: &Oracle, column: &LightColumn, setups: &[MethodSetup]) -> Result<Self> {
         let step_m = column.length_m() / STEPS as f64;
         let depths_m: Vec<f64> = (0..=STEPS).map(|i| i as f64 * step_m).collect();
         let truth = truth(oracle, column, step_m);
         let sigma = |depth_m: &f64| oracle.extinction_per_m(column.point(*depth_m));
-        let curve = |method: &&'static dyn LightOcclusion| {
-            let setup = MethodSetup::defaults(method.info().id)?;
-            let prepared = oracle.prepare(&setup, Options::stored(&setup))?;
-            curve(&setup, prepared.along(column, &depths_m), &truth)
+        let curve = |setup: &MethodSetup| {
+            let prepared = oracle.prepare(setup, Options::stored(setup))?;
+            curve(setup, prepared.along(column, &depths_m), &truth)
         };
-        let others = REGISTRY.iter().filter(|m| m.info().id != "truth");
         Ok(Self {
             extinction_per_m: depths_m.iter().map(sigma).collect(),
-            curves: others.map(curve).collect::<Result<_>>()?,
+            curves: setups.iter().map(curve).collect::<Result<_>>()?,
             truth,
             depths_m,
         })

@@ -4,7 +4,7 @@ mod common;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use occlab::gpu::{
-    Defs, Leaf, Program, Scalar, UniformValue, compose, embedded, pack, struct_leaves,
+    Defs, Leaf, Program, Scalar, Sources, UniformValue, compose, pack, struct_leaves,
 };
 use occlab::occlusion::param::ParamKind;
 use occlab::occlusion::{MethodSetup, REGISTRY};
@@ -83,11 +83,14 @@ fn composed(entry: &str, setup: &MethodSetup, around: &Surroundings, extra: Defs
         ("sky", "sky/preetham.wgsl"),
         ("occlusion", shader),
     ];
-    let module = compose(&Program {
-        entry,
-        roles,
-        defs: defs.clone(),
-    });
+    let module = compose(
+        &Sources::embedded(),
+        &Program {
+            entry,
+            roles,
+            defs: defs.clone(),
+        },
+    );
     let module = module.unwrap_or_else(|e| {
         panic!(
             "{entry} of {shader} in {}, {} with {defs:?}:\n{e}",
@@ -247,7 +250,7 @@ fn files_are_compiled_in_and_begin_with_their_purpose() {
             .unwrap()
             .replace('\\', "/");
         let text = std::fs::read_to_string(&file).unwrap();
-        assert_eq!(embedded(&name).unwrap(), text, "{name}");
+        assert_eq!(Sources::embedded().text(&name).unwrap(), text, "{name}");
         let first = text.lines().next().unwrap();
         assert!(
             first.starts_with("// ") && first.len() > 10,

@@ -5,7 +5,9 @@ use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::occlusion::MethodSetup;
 use crate::oracle::{Options, Oracle};
-use crate::raymarch::{self, Counts, Memory, PassTimes, Progress, Renderer, planned_memory};
+use crate::raymarch::{
+    self, Counts, MapTexels, Memory, PassTimes, Progress, Renderer, planned_memory,
+};
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -94,6 +96,16 @@ impl<'v> Prepared<'v> {
                 Some((frame, _)) => Ok(frame.clone()),
                 None => Err(unrendered()),
             },
+        }
+    }
+
+    /// The light map of the last run; `None` for a method without one, and on the oracle, which keeps none.
+    pub fn map_texels(&self) -> Result<Option<MapTexels>> {
+        match &self.kind {
+            Kind::Device {
+                renderer, prepared, ..
+            } => prepared.map_texels(&renderer.gpu),
+            Kind::Oracle { .. } => Ok(None),
         }
     }
 

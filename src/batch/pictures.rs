@@ -3,11 +3,8 @@
 use super::store::Store;
 use crate::error::Result;
 use crate::frame::{Exposure, Frame, false_colour, tone_map, write_frame, write_png};
-use crate::metrics::{delta_luminance, mean_sun};
+use crate::metrics::{DIFF_SCALE, difference_picture, mean_sun};
 use serde_json::{Map, Value};
-
-/// ΔL / mean L that gets the end colours of a difference picture: one scale everywhere.
-const DIFF_SCALE: f32 = 1.0;
 
 /// Writes a frame as `images/NAME.exr` and, at the exposure of `truth`, as `images/NAME.png`; returns both paths.
 pub(super) fn write_picture(
@@ -35,9 +32,7 @@ pub(super) fn write_compared(
 ) -> Result<Map<String, Value>> {
     let mut files = write_picture(store, name, truth, frame)?;
     let diff = format!("images/{name}-diff.png");
-    let delta = delta_luminance(truth, frame)?;
-    let scale = DIFF_SCALE * mean_sun(truth)? as f32;
-    let pixels = false_colour(frame.width, frame.height, &delta, scale);
+    let pixels = difference_picture(truth, frame)?;
     write_png(&store.path(&diff), frame.width, frame.height, &pixels)?;
     files.insert("diff_png".to_owned(), diff.into());
     files.insert("diff_scale".to_owned(), DIFF_SCALE.into());

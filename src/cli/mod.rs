@@ -8,6 +8,8 @@ mod progress;
 mod render;
 mod scene;
 mod stability;
+#[cfg(feature = "ui")]
+mod view;
 
 use clap::{Parser, Subcommand};
 use occlab::backend::{Backend, Choice};
@@ -22,11 +24,14 @@ use std::process::ExitCode;
 #[command(version, max_term_width = 100)]
 pub struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Subcommand)]
 enum Command {
+    /// Open the window: switch methods, compare, probe. The same as `occlab` without a command.
+    #[cfg(feature = "ui")]
+    View(view::View),
     /// Measure a matrix of scenes and methods, write a report; run it again to go on after an interruption.
     Batch(batch::Batch),
     /// Rebuild csv, charts and page of a report folder from its records.
@@ -100,7 +105,12 @@ impl Device {
 
 /// Runs a command. Exit codes: 0 done, 1 done but some cells failed, 2 an error.
 pub fn run(cli: Cli) -> ExitCode {
-    let outcome = match cli.command {
+    let Some(command) = cli.command else {
+        return finish(without_command());
+    };
+    finish(match command {
+        #[cfg(feature = "ui")]
+        Command::View(c) => c.run(),
         Command::Batch(c) => c.run(),
         Command::Report(c) => c.run(),
         Command::Render(c) => c.run(),
@@ -110,7 +120,23 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Methods(c) => info::methods(&c),
         Command::Adapters(c) => info::adapters(&c),
         Command::Schema => info::schema(),
-    };
+    })
+}
+
+/// The window; the help in a build without one.
+#[cfg(feature = "ui")]
+fn without_command() -> anyhow::Result<ExitCode> {
+    view::View::default().run()
+}
+
+#[cfg(not(feature = "ui"))]
+fn without_command() -> anyhow::Result<ExitCode> {
+    use clap::CommandFactory;
+    Cli::command().print_help()?;
+    Ok(ExitCode::from(2))
+}
+
+fn finish(outcome: anyhow::Result<ExitCode>) -> ExitCode {
     match outcome {
         Ok(code) => code,
         Err(error) if reader_left(&error) => ExitCode::SUCCESS,

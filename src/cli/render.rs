@@ -80,10 +80,10 @@ impl Render {
     }
 
     fn setup(&self, scene: &Scene) -> anyhow::Result<MethodSetup> {
-        let mut setup = MethodSetup::defaults(&self.method)?;
-        if self.method == "truth" {
-            setup = setup.with("step_m", &scene.truth_step_m().to_string())?;
-        }
+        let mut setup = match self.method.as_str() {
+            "truth" => MethodSetup::truth(scene)?,
+            id => MethodSetup::defaults(id)?,
+        };
         for pair in &self.set {
             let Some((name, value)) = pair.split_once('=') else {
                 return Err(Error::input(

@@ -3,7 +3,7 @@
 use occlab::Error;
 use occlab::config::load_scene;
 use occlab::scene::{Density, ImageSize, Scene};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct SceneOptions {
@@ -45,12 +45,7 @@ impl SceneOptions {
 
     /// The scene, changed and valid.
     pub fn load(&self) -> occlab::Result<Scene> {
-        let named = PathBuf::from("configs/scenes").join(self.scene.with_extension("json"));
-        let path = if !self.scene.exists() && named.exists() {
-            &named
-        } else {
-            &self.scene
-        };
+        let path = &named_scene(&self.scene);
         let mut scene = load_scene(path)?;
         if let Some(elevation_deg) = self.sun_elevation {
             scene.sun.elevation_deg = elevation_deg;
@@ -78,5 +73,15 @@ impl SceneOptions {
             .validate()
             .map_err(|problem| problem.at(&path.display().to_string()))?;
         Ok(scene)
+    }
+}
+
+/// A file, or the one in `configs/scenes` with this name.
+pub fn named_scene(scene: &Path) -> PathBuf {
+    let named = PathBuf::from("configs/scenes").join(scene.with_extension("json"));
+    if !scene.exists() && named.exists() {
+        named
+    } else {
+        scene.to_owned()
     }
 }

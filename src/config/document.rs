@@ -9,6 +9,7 @@ use serde_json::Value;
 use serde_path_to_error::Segment;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Largest file read, bytes: a configuration is kilobytes, so a larger one is the wrong file.
 pub const MAX_FILE_BYTES: u64 = 16 << 20;
@@ -19,8 +20,10 @@ const SCHEMA_HINT: &str = "`occlab schema` prints what is allowed.";
 #[derive(Clone, Debug)]
 pub struct Document {
     path: PathBuf,
-    text: String,
+    text: Arc<str>,
     value: Value,
+    /// JSON pointer of `value` in the file; empty for a whole file.
+    base: String,
 }
 
 /// A problem inside a JSON value, not yet bound to a file.
@@ -116,12 +119,23 @@ impl Document {
         })?;
         Ok(Self {
             path: path.to_owned(),
-            text,
+            text: text.into(),
             value,
+            base: String::new(),
         })
     }
 
-    /// The whole file as it was read.
+    /// The object at `pointer` as a document of its own, whose errors name its place in this file.
+    pub(super) fn inside(&self, pointer: &str) -> Self {
+        Self {
+            path: self.path.clone(),
+            text: self.text.clone(),
+            value: self.value.pointer(pointer).cloned().unwrap_or_default(),
+            base: format!("{}{pointer}", self.base),
+        }
+    }
+
+    /// The whole file as it was read, or the part of it that this document is.
     pub fn value(&self) -> &Value {
         &self.value
     }
@@ -162,11 +176,12 @@ impl Document {
     }
 
     pub(super) fn fault(&self, fault: Fault) -> Error {
-        let place = locate::position(&self.text, &fault.pointer, fault.part);
+        let pointer = format!("{}{}", self.base, fault.pointer);
+        let place = locate::position(&self.text, &pointer, fault.part);
         error_at(
             &self.path,
             place,
-            Some(&fault.pointer),
+            Some(&pointer),
             fault.problem,
             fault.remedy,
         )

@@ -14,6 +14,8 @@
 //! `"decompose": true` is optional too: each cell's error is split into model, sampling and precision with f64 pictures
 //! that the oracle renders after the timed rounds.
 //!
+//! A scene is a path relative to the experiment file, or a whole scene written in its place.
+//!
 //! Every other value that can vary is one value or a list; lists multiply. A value that is itself an array
 //! (a position) is varied by a list of arrays.
 
@@ -32,6 +34,7 @@ const SUN_POINTER: &str = "/sun/elevation_deg";
 pub(super) const STEPS_POINTER: &str = "/march/steps";
 /// Largest image side, pixels: what every wgpu adapter can allocate (`Limits::default`).
 const MAX_SIDE: u32 = 8192;
+const SCENE_REMEDY: &str = "Write \"scenes/name.json\", or {\"scene\": \"scenes/name.json\" or a whole scene, \"set\": {…}}.";
 /// Most timed rounds, and most discarded ones.
 pub(super) const MAX_RUNS: u32 = 10_000;
 
@@ -63,7 +66,7 @@ pub struct Experiment {
 pub struct SceneEntry {
     /// Pointer of the entry in the experiment.
     pub place: String,
-    /// The scene file.
+    /// The scene: a file, or a part of the experiment's.
     pub document: Document,
     /// `set`, then `sun_elevation_deg`, then `view_steps`; the first is the slowest in the matrix.
     pub axes: Vec<Axis>,
@@ -120,7 +123,7 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FileScene {
-    scene: String,
+    scene: Value,
     #[serde(default)]
     set: Map<String, Value>,
 }
@@ -231,7 +234,9 @@ fn scenes(
     let mut scenes = Vec::with_capacity(entries.len());
     for (place, value) in entries {
         let entry = scene(document, place, value, shorthands)?;
-        bytes += entry.document.text_bytes();
+        if entry.document.path() != document.path() {
+            bytes += entry.document.text_bytes();
+        }
         if bytes > MAX_FILE_BYTES {
             let problem = format!(
                 "the scene files up to this one are larger than {} MiB together",
@@ -295,30 +300,28 @@ fn scene(
     value: &Value,
     shorthands: &[Axis],
 ) -> Result<SceneEntry> {
-    let (path_place, entry) = match value {
-        Value::String(path) => (
+    let (scene_place, entry) = match value {
+        Value::String(_) => (
             place.to_owned(),
             FileScene {
-                scene: path.clone(),
+                scene: value.clone(),
                 set: Map::new(),
             },
         ),
         Value::Object(_) => (format!("{place}/scene"), document.get::<FileScene>(place)?),
         other => {
-            let remedy =
-                "Write \"scenes/name.json\" or {\"scene\": \"scenes/name.json\", \"set\": {…}}.";
-            return Err(document.error(place, format!("{other} is not a scene"), remedy));
+            let problem = format!("{other} is not a scene");
+            return Err(document.error(place, problem, SCENE_REMEDY));
         }
     };
-    let path = document.folder().join(&entry.scene);
-    if !path.is_file() {
-        let remedy = "Paths of scenes are relative to the experiment file.";
-        return Err(document.error(
-            &path_place,
-            format!("there is no scene file {}", path.display()),
-            remedy,
-        ));
-    }
+    let scene = match &entry.scene {
+        Value::String(path) => scene_file(document, &scene_place, path)?,
+        Value::Object(_) => document.inside(&scene_place),
+        other => {
+            let problem = format!("{other} is not a scene");
+            return Err(document.error(&scene_place, problem, SCENE_REMEDY));
+        }
+    };
     let mut axes = entry
         .set
         .keys()
@@ -327,9 +330,19 @@ fn scene(
     axes.extend_from_slice(shorthands);
     Ok(SceneEntry {
         place: place.to_owned(),
-        document: Document::read(&path)?,
+        document: scene,
         axes,
     })
+}
+
+fn scene_file(document: &Document, place: &str, path: &str) -> Result<Document> {
+    let path = document.folder().join(path);
+    if !path.is_file() {
+        let problem = format!("there is no scene file {}", path.display());
+        let remedy = "Paths of scenes are relative to the experiment file.";
+        return Err(document.error(place, problem, remedy));
+    }
+    Document::read(&path)
 }
 
 fn set_axis(document: &Document, place: &str, target: &str, shorthands: &[Axis]) -> Result<Axis> {

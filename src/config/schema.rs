@@ -65,7 +65,7 @@ fn scene_entry() -> Value {
     json!({"anyOf": [path, {
         "type": "object",
         "properties": {
-            "scene": path,
+            "scene": {"anyOf": [path, {"$ref": "#/$defs/Scene"}]},
             "set": {
                 "type": "object",
                 "description": "Scene members by JSON pointer; one value or a list. A member that is an array needs a list of arrays.",

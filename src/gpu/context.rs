@@ -1,7 +1,9 @@
 //! Adapter, device and queue, and the errors they report outside of calls.
 
 use super::environment::{Environment, host, program};
+use super::shader::Sources;
 use crate::error::{Error, Result};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex};
 
 const NO_ADAPTER_REMEDY: &str = "Install a Vulkan driver for your GPU, or a software one: on Debian and Ubuntu \
@@ -9,14 +11,21 @@ const NO_ADAPTER_REMEDY: &str = "Install a Vulkan driver for your GPU, or a soft
 
 /// One open device.
 pub struct Gpu {
+    /// What the adapter came from: a window on the same device needs both.
+    pub instance: wgpu::Instance,
+    /// The adapter.
+    pub adapter: wgpu::Adapter,
     /// The device.
     pub device: wgpu::Device,
     /// Its only queue.
     pub queue: wgpu::Queue,
     /// What the driver says of itself.
     pub info: wgpu::AdapterInfo,
+    /// Text of the shaders that its kernels are composed of.
+    pub sources: Sources,
     failure: Arc<Mutex<Option<String>>>,
-    compile_us: std::sync::atomic::AtomicU64,
+    lost: Arc<AtomicBool>,
+    compile_us: AtomicU64,
 }
 
 /// A line of `occlab adapters`.
@@ -42,13 +51,13 @@ fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
 }
 
-fn adapters() -> Vec<wgpu::Adapter> {
-    pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()))
+fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
 }
 
 /// Every adapter of this machine; empty when there is no driver.
 pub fn list_adapters() -> Vec<AdapterSummary> {
-    adapters()
+    adapters(&instance())
         .iter()
         .map(|adapter| {
             let (info, features) = (adapter.get_info(), adapter.features());
@@ -66,7 +75,7 @@ pub fn list_adapters() -> Vec<AdapterSummary> {
 }
 
 /// The adapter whose name holds `wanted`; without a wish, the fastest kind.
-fn choose(wanted: Option<&str>) -> Result<wgpu::Adapter> {
+fn choose(instance: &wgpu::Instance, wanted: Option<&str>) -> Result<wgpu::Adapter> {
     let rank = |a: &wgpu::Adapter| match a.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
@@ -74,7 +83,7 @@ fn choose(wanted: Option<&str>) -> Result<wgpu::Adapter> {
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
     };
-    let mut all = adapters();
+    let mut all = adapters(instance);
     if all.is_empty() {
         return Err(Error::gpu(
             "this machine has no Vulkan, Metal or Direct3D 12 adapter",
@@ -101,7 +110,8 @@ fn choose(wanted: Option<&str>) -> Result<wgpu::Adapter> {
 impl Gpu {
     /// Opens the adapter whose name holds `wanted`, or the fastest kind. Optional features are taken when offered.
     pub fn new(wanted: Option<&str>) -> Result<Self> {
-        let adapter = choose(wanted)?;
+        let instance = instance();
+        let adapter = choose(&instance, wanted)?;
         let optional = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::FLOAT32_FILTERABLE
             | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
@@ -122,17 +132,24 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
             note(&on_error, e.to_string())
         }));
+        let lost = Arc::new(AtomicBool::new(false));
+        let on_loss = lost.clone();
         device.set_device_lost_callback(move |reason, message| {
+            on_loss.store(true, Relaxed);
             if reason != wgpu::DeviceLostReason::Destroyed {
                 note(&on_lost, format!("device lost: {message}"));
             }
         });
         Ok(Self {
             info: adapter.get_info(),
+            instance,
+            adapter,
+            sources: Sources::embedded(),
             device,
             queue,
             failure,
-            compile_us: std::sync::atomic::AtomicU64::new(0),
+            lost,
+            compile_us: AtomicU64::new(0),
         })
     }
 
@@ -152,16 +169,18 @@ impl Gpu {
         }
     }
 
+    /// The adapter is gone: nothing on this device will ever finish again.
+    pub fn is_lost(&self) -> bool {
+        self.lost.load(Relaxed)
+    }
+
     /// Seconds spent composing and compiling shaders since the start.
     pub fn compile_s(&self) -> f64 {
-        self.compile_us.load(std::sync::atomic::Ordering::Relaxed) as f64 * 1e-6
+        self.compile_us.load(Relaxed) as f64 * 1e-6
     }
 
     pub(super) fn add_compile_time(&self, time: std::time::Duration) {
-        self.compile_us.fetch_add(
-            time.as_micros() as u64,
-            std::sync::atomic::Ordering::Relaxed,
-        );
+        self.compile_us.fetch_add(time.as_micros() as u64, Relaxed);
     }
 
     /// Blocks until the queue is empty.

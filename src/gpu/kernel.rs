@@ -77,7 +77,7 @@ impl Kernel {
     /// Composes and compiles `program`; its only entry point becomes the kernel.
     pub fn new(gpu: &Gpu, program: &Program) -> Result<Self> {
         let start = Instant::now();
-        let mut module = compose(program)?;
+        let mut module = compose(&gpu.sources, program)?;
         if gpu.info.driver == "llvmpipe" {
             uniforms_as_private_copies(&mut module);
         }

@@ -13,6 +13,6 @@ pub use context::{AdapterSummary, Gpu, list_adapters};
 pub use environment::{Environment, host, program};
 pub use kernel::{Inputs, Kernel, Resource};
 pub use readback::{read_buffer, read_texture};
-pub use shader::{Defs, Program, compose, embedded, sources_hash};
+pub use shader::{Defs, Program, Sources, compose};
 pub use timing::Timer;
 pub use uniform::{Leaf, Scalar, UniformValue, pack, struct_leaves};

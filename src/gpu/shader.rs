@@ -8,7 +8,9 @@ use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue,
     get_preprocessor_data,
 };
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
 
 /// Shader definitions: `true` for `#ifdef NAME`, a number for `#{NAME}`.
 pub type Defs = BTreeMap<String, Option<i32>>;
@@ -57,42 +59,67 @@ const FILES: &[(&str, &str)] = shaders![
     "raymarch.wgsl",
 ];
 
-/// The text of a shader file as compiled in.
-pub fn embedded(path: &str) -> Result<&'static str> {
-    let own = FILES.iter().copied();
-    let methods = crate::occlusion::REGISTRY
-        .iter()
-        .map(|m| (m.info().shader, m.info().source));
-    own.chain(methods)
-        .find_map(|(p, text)| (p == path).then_some(text))
-        .ok_or_else(|| Error::Shader {
-            file: path.to_owned(),
-            message: "no such shader file is compiled in".into(),
-        })
-}
+/// The text of every shader file, by its path below `shaders/`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sources(BTreeMap<&'static str, Cow<'static, str>>);
 
-/// Hash of every shader file: what makes a cached picture stale when a formula changes.
-pub fn sources_hash() -> blake3::Hash {
-    let mut hasher = blake3::Hasher::new();
-    let methods = crate::occlusion::REGISTRY
-        .iter()
-        .map(|m| (m.info().shader, m.info().source));
-    for (path, text) in FILES.iter().copied().chain(methods) {
-        hasher
-            .update(path.as_bytes())
-            .update(&(text.len() as u64).to_le_bytes())
-            .update(text.as_bytes());
+impl Sources {
+    /// The files as compiled in.
+    pub fn embedded() -> Self {
+        let methods = crate::occlusion::REGISTRY
+            .iter()
+            .map(|m| (m.info().shader, m.info().source));
+        let all = FILES.iter().copied().chain(methods);
+        Self(all.map(|(path, text)| (path, text.into())).collect())
     }
-    hasher.finalize()
+
+    /// The same files, read from a folder of the same layout: what a development build reloads.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let read = |path: &'static str| {
+            let file = folder.join(path);
+            let text = std::fs::read_to_string(&file).map_err(Error::reading(&file))?;
+            Ok((path, text.into()))
+        };
+        Self::embedded()
+            .0
+            .into_keys()
+            .map(read)
+            .collect::<Result<_>>()
+            .map(Self)
+    }
+
+    /// The text of one file.
+    pub fn text(&self, path: &str) -> Result<&str> {
+        self.0
+            .get(path)
+            .map(AsRef::as_ref)
+            .ok_or_else(|| Error::Shader {
+                file: path.to_owned(),
+                message: "no such shader file is compiled in".into(),
+            })
+    }
+
+    /// Hash of every file: what makes a cached picture stale when a formula changes.
+    pub fn hash(&self) -> blake3::Hash {
+        let mut hasher = blake3::Hasher::new();
+        for (path, text) in &self.0 {
+            hasher
+                .update(path.as_bytes())
+                .update(&(text.len() as u64).to_le_bytes())
+                .update(text.as_bytes());
+        }
+        hasher.finalize()
+    }
 }
 
 /// Resolves imports and definitions, validates, and drops what the entry point does not use.
-pub fn compose(program: &Program) -> Result<naga::Module> {
+pub fn compose(sources: &Sources, program: &Program) -> Result<naga::Module> {
     let mut loader = Loader {
         composer: Composer::default().with_capabilities(naga::valid::Capabilities::default()),
+        sources,
         program,
     };
-    let source = embedded(program.entry)?;
+    let source = sources.text(program.entry)?;
     loader.add_imports(source)?;
     let defs = shader_defs(&program.defs);
     let made = loader.composer.make_naga_module(NagaModuleDescriptor {
@@ -120,6 +147,7 @@ fn shader_defs(defs: &Defs) -> HashMap<String, ShaderDefValue> {
 /// Adds imported files depth first, so that each is known before its importer.
 struct Loader<'a> {
     composer: Composer,
+    sources: &'a Sources,
     program: &'a Program<'a>,
 }
 
@@ -146,7 +174,7 @@ impl Loader<'_> {
             // An import behind an `#ifdef` that is off: naga_oil reports it if it is needed after all.
             return Ok(());
         };
-        let source = embedded(&path)?;
+        let source = self.sources.text(&path)?;
         self.add_imports(source)?;
         let added = self
             .composer

@@ -3,7 +3,18 @@
 use super::linear::readable;
 use super::{CLOUD_OPACITY, check_pair};
 use crate::error::Result;
-use crate::frame::{Frame, is_nonfinite, luminance};
+use crate::frame::{Frame, false_colour, is_nonfinite, luminance};
+
+/// ΔL / mean L that gets the end colours of a difference picture: one scale everywhere.
+pub const DIFF_SCALE: f32 = 1.0;
+
+/// The signed error of `test` as RGB, three bytes a pixel: [`delta_luminance`] in false colours that end at
+/// ±[`DIFF_SCALE`] × the reference's mean sun-lit luminance.
+pub fn difference_picture(reference: &Frame, test: &Frame) -> Result<Vec<u8>> {
+    let delta = delta_luminance(reference, test)?;
+    let scale = DIFF_SCALE * super::mean_sun(reference)? as f32;
+    Ok(false_colour(test.width, test.height, &delta, scale))
+}
 
 /// ΔL of each channel of the sun-lit radiance, three values a pixel, unit of radiance: the input of [`super::Flicker`].
 ///

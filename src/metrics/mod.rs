@@ -16,7 +16,9 @@ mod perceptual;
 mod ssim;
 mod stats;
 
-pub use difference::{delta_luminance, delta_rgb, difference, relative_rmse};
+pub use difference::{
+    DIFF_SCALE, delta_luminance, delta_rgb, difference, difference_picture, relative_rmse,
+};
 pub use flicker::Flicker;
 pub use linear::mean_sun;
 pub use numbers::ErrorNumbers;

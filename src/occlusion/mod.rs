@@ -28,6 +28,7 @@ pub use fom::thickness_of_opacity;
 
 use crate::error::{Error, Result};
 use crate::gpu::Defs;
+use crate::scene::Scene;
 use param::{ParamKind, ParamSpec, ParamValue, Params};
 use twin::Twin;
 
@@ -173,6 +174,18 @@ pub struct MethodSetup {
     pub params: Params,
 }
 
+impl PartialEq for MethodSetup {
+    fn eq(&self, other: &Self) -> bool {
+        self.method.info().id == other.method.info().id && self.params == other.params
+    }
+}
+
+impl std::fmt::Debug for MethodSetup {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {:?}", self.method.info().id, self.params)
+    }
+}
+
 impl MethodInfo {
     /// All parameters.
     pub fn specs(&self) -> impl Iterator<Item = &'static ParamSpec> {
@@ -209,6 +222,11 @@ impl MethodSetup {
             method,
             params: Params::defaults(method.info().specs()),
         })
+    }
+
+    /// The truth of `scene`, with the light step that its shape asks for.
+    pub fn truth(scene: &Scene) -> Result<Self> {
+        Self::defaults("truth")?.with("step_m", &scene.truth_step_m().to_string())
     }
 
     /// The same with one parameter changed, from text as on the command line.

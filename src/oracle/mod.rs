@@ -150,7 +150,7 @@ impl Oracle {
 
     /// The truth, at the scene's own light step.
     pub fn truth(&self) -> Result<MethodSetup> {
-        MethodSetup::defaults("truth")?.with("step_m", &self.scene.truth_step_m().to_string())
+        MethodSetup::truth(&self.scene)
     }
 
     /// The light column through a point, metres.

@@ -2,9 +2,10 @@
 
 use super::cost::Memory;
 use super::light_map::{MapRectangle, TexelFormat};
-use super::{Renderer, View};
+use super::tiles::{Pass, SLOW_SAMPLES_A_MS, Tiles};
+use super::{Progress, Renderer, View};
 use crate::error::{Error, Result};
-use crate::gpu::{Defs, Gpu, Inputs, Kernel, Program, Resource};
+use crate::gpu::{Defs, Gpu, Inputs, Kernel, Program, Resource, Timer};
 use crate::occlusion::MethodSetup;
 use std::rc::Rc;
 
@@ -19,6 +20,7 @@ const MAP_USAGE: wgpu::TextureUsages = wgpu::TextureUsages::STORAGE_BINDING
 pub(super) struct MapPass {
     pub kernel: Rc<Kernel>,
     pub groups: Vec<wgpu::BindGroup>,
+    tiles: Tiles,
     pub counts: Option<wgpu::Buffer>,
     pub texture: MapTexture,
 }
@@ -42,13 +44,33 @@ impl MapPass {
         let mut inputs = inputs.clone();
         let counts = counting.then(|| counts_buffer(gpu, [texture.resolution; 2]));
         offer_counts(&mut inputs, counts.as_ref());
+        let threads = renderer.tile_ms * SLOW_SAMPLES_A_MS / f64::from(texture.steps);
+        let tiles = Tiles::new(gpu, &mut inputs, renderer.tile_ms, threads);
         let groups = kernel.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
         Ok(Self {
             kernel,
             groups,
+            tiles,
             counts,
             texture,
         })
+    }
+
+    /// Fills the map, tile by tile; its GPU time, ms.
+    pub fn fill(
+        &self,
+        gpu: &Gpu,
+        timer: Option<&Timer>,
+        progress: Progress,
+    ) -> Result<Option<f64>> {
+        let pass = Pass {
+            kernel: &self.kernel,
+            groups: &self.groups,
+            timer,
+            size: [self.texture.resolution; 2],
+            steps: [1, 1],
+        };
+        self.tiles.run(gpu, &pass, progress)
     }
 }
 
@@ -57,6 +79,8 @@ pub(super) struct MapTexture {
     pub texture: wgpu::Texture,
     pub format: TexelFormat,
     pub resolution: u32,
+    /// Samples of a column.
+    pub steps: u32,
     pub values_a_texel: u32,
     pub memory: Memory,
 }
@@ -100,15 +124,14 @@ impl MapTexture {
         inputs.resource("map_store", Resource::View(texture.create_view(&array)));
         inputs.resource("map_sampler", Resource::Sampler(clamping_sampler(gpu)));
         let rectangle = MapRectangle::fit(&view.scene, view.image, resolution);
-        inputs.uniform(
-            "map",
-            rectangle.uniform(resolution, setup.params.int("steps")?),
-        );
+        let steps = setup.params.int("steps")?;
+        inputs.uniform("map", rectangle.uniform(resolution, steps));
         let memory = format.memory(values, storage, resolution);
         Ok(Self {
             texture,
             format,
             resolution,
+            steps,
             values_a_texel: values,
             memory,
         })

@@ -7,17 +7,19 @@ mod map_pass;
 mod map_texels;
 mod prepared;
 pub mod reference;
+mod tiles;
 mod view;
 
 pub use cost::{Counts, Memory, PassTimes, Samples};
 pub use light_map::planned_memory;
 pub use map_texels::MapTexels;
 pub use prepared::Prepared;
+pub use tiles::BATCH_TILE_MS;
 pub use view::View;
 
 use crate::density::DensityField;
 use crate::error::Result;
-use crate::gpu::{Defs, Gpu, Kernel, Program};
+use crate::gpu::{Defs, Gpu, Kernel, Program, Sources};
 use crate::occlusion::MethodSetup;
 use crate::scene::ImageSize;
 use crate::scene::Scene;
@@ -26,8 +28,12 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
-/// Told the finished share, 0…1, after every tile; `Break` stops the render.
+/// Told the finished share, 0…1, after every tile; `Break` stops the render. Bands of [`BAND_ROWS`] rows are finished one
+/// after the other from the top.
 pub type Progress<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
+
+/// Rows of a workgroup of the view march.
+pub const BAND_ROWS: u32 = 8;
 
 /// For renders nobody watches.
 pub fn unwatched(_share: f64) -> ControlFlow<()> {
@@ -38,6 +44,8 @@ pub fn unwatched(_share: f64) -> ControlFlow<()> {
 pub struct Renderer {
     /// The device.
     pub gpu: Gpu,
+    /// Duration that a dispatch aims at, ms; of methods prepared from now on. See [`BATCH_TILE_MS`].
+    pub tile_ms: f64,
     kernels: RefCell<HashMap<KernelKey, Rc<Kernel>>>,
     /// The last density field: consecutive views often differ in sun or image size alone.
     density: RefCell<Option<(String, Rc<DensityField>)>>,
@@ -51,9 +59,25 @@ impl Renderer {
     pub fn new(gpu: Gpu) -> Self {
         Self {
             gpu,
+            tile_ms: BATCH_TILE_MS,
             kernels: RefCell::default(),
             density: RefCell::default(),
         }
+    }
+
+    /// Takes other shader texts if `check` accepts what is compiled of them; else everything stays as it was.
+    pub fn reload(
+        &mut self,
+        sources: Sources,
+        check: impl FnOnce(&Self) -> Result<()>,
+    ) -> Result<()> {
+        let old = std::mem::replace(&mut self.gpu.sources, sources);
+        let (kernels, density) = (self.kernels.take(), self.density.take());
+        check(self).inspect_err(|_| {
+            self.gpu.sources = old;
+            *self.kernels.borrow_mut() = kernels;
+            *self.density.borrow_mut() = density;
+        })
     }
 
     /// The compiled kernel of a program, from the cache when it was compiled before.

@@ -3,19 +3,16 @@
 use super::cost::{Counts, Memory, PassTimes, Samples};
 use super::map_pass::{MapPass, MapTexture, counts_buffer, offer_counts};
 use super::map_texels::MapTexels;
+use super::tiles::{Pass, Tiles};
 use super::{Progress, Renderer, View};
 use crate::error::{Error, Result};
-use crate::gpu::{Gpu, Inputs, Kernel, Program, Resource, Timer, UniformValue, read_buffer};
+use crate::gpu::{Gpu, Inputs, Kernel, Program, Timer, UniformValue, read_buffer};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::param::ParamValue;
-use std::cell::Cell;
-use std::ops::ControlFlow;
 use std::rc::Rc;
 use std::time::Instant;
 
-/// A dispatch on real GPUs must end well before the driver's watchdog (2 s): tiles aim at this, ms.
-const TILE_TARGET_MS: f64 = 400.0;
-/// Rows of the first tile of a kernel whose speed is not known yet.
+/// Rows of the first tile of a march, whose speed is not known yet.
 const FIRST_TILE_ROWS: u32 = 8;
 
 /// See the module.
@@ -25,10 +22,9 @@ pub struct Prepared {
     map: Option<MapPass>,
     march: Rc<Kernel>,
     groups: Vec<wgpu::BindGroup>,
-    tile: wgpu::Buffer,
+    tiles: Tiles,
     timer: Option<Timer>,
     image: [u32; 2],
-    tile_rows: Cell<u32>,
     view_steps: u32,
     steps_a_dispatch: u32,
     march_counts: Option<wgpu::Buffer>,
@@ -83,96 +79,43 @@ impl Prepared {
         let image = [view.image.width, view.image.height];
         let march_counts = counting.then(|| counts_buffer(gpu, image));
         offer_counts(&mut inputs, march_counts.as_ref());
-        let tile = gpu.buffer(
-            "tile",
-            &[0; 24],
-            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
-        );
-        inputs.resource("tile", Resource::Buffer(tile.clone()));
+        let threads = f64::from(image[0]) * f64::from(FIRST_TILE_ROWS);
+        let tiles = Tiles::new(gpu, &mut inputs, renderer.tile_ms, threads);
         let groups = march.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
         Ok(Self {
             memory,
             map,
             march,
             groups,
-            tile,
+            tiles,
             timer: Timer::new(gpu),
             image,
-            tile_rows: Cell::new(FIRST_TILE_ROWS),
             view_steps: view.scene.march.most_steps(),
             steps_a_dispatch: steps_a_dispatch(gpu, view, setup)?,
             march_counts,
         })
     }
 
-    /// Renders once, tile by tile.
+    /// Renders once, tile by tile; `progress` hears the share of the view march.
     pub fn run(&self, gpu: &Gpu, progress: Progress) -> Result<PassTimes> {
         let start = Instant::now();
-        let mut times = PassTimes::default();
-        if let Some(map) = &self.map {
-            times.generate = self.pass(
-                gpu,
-                &map.kernel,
-                &map.groups,
-                [map.texture.resolution, map.texture.resolution, 1],
-            )?;
-        }
-        let [width, height] = self.image;
-        let mut row = 0;
-        while row < height {
-            let rows = self.tile_rows.get().min(height - row);
-            let tile_start = Instant::now();
-            let mut step = 0;
-            while step < self.view_steps {
-                let end = step.saturating_add(self.steps_a_dispatch);
-                let tile = [0, row, width, rows, step, end];
-                gpu.queue
-                    .write_buffer(&self.tile, 0, bytemuck::bytes_of(&tile));
-                let ms = self.pass(gpu, &self.march, &self.groups, [width, rows, 1])?;
-                times.march = ms.map(|ms| ms + times.march.unwrap_or(0.0));
-                step = end;
-            }
-            self.adapt(rows, tile_start.elapsed().as_secs_f64() * 1e3);
-            row += rows;
-            if progress(f64::from(row) / f64::from(height)) == ControlFlow::Break(()) {
-                return Err(Error::Stopped);
-            }
-        }
-        times.wall = start.elapsed().as_secs_f64() * 1e3;
-        Ok(times)
-    }
-
-    /// Next tile's rows: whole workgroups, at most doubling, toward the target duration.
-    fn adapt(&self, rows: u32, ms: f64) {
-        let wanted = f64::from(rows) * (TILE_TARGET_MS / ms.max(0.01)).min(2.0);
-        let step = self.march.workgroup[1];
-        self.tile_rows.set(((wanted as u32) / step).max(1) * step);
-    }
-
-    fn pass(
-        &self,
-        gpu: &Gpu,
-        kernel: &Kernel,
-        groups: &[wgpu::BindGroup],
-        threads: [u32; 3],
-    ) -> Result<Option<f64>> {
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        {
-            let timestamp_writes = self.timer.as_ref().map(Timer::writes);
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: None,
-                timestamp_writes,
-            });
-            kernel.dispatch(&mut pass, groups, threads);
-        }
-        if let Some(timer) = &self.timer {
-            timer.resolve(&mut encoder);
-        }
-        gpu.queue.submit([encoder.finish()]);
-        match &self.timer {
-            Some(timer) => timer.elapsed_ms(gpu).map(Some),
-            None => gpu.wait().map(|()| None),
-        }
+        let timer = self.timer.as_ref();
+        let generate = match &self.map {
+            None => None,
+            Some(map) => map.fill(gpu, timer, &mut |_| progress(0.0))?,
+        };
+        let pass = Pass {
+            kernel: &self.march,
+            groups: &self.groups,
+            timer,
+            size: self.image,
+            steps: [self.view_steps, self.steps_a_dispatch],
+        };
+        Ok(PassTimes {
+            generate,
+            march: self.tiles.run(gpu, &pass, progress)?,
+            wall: start.elapsed().as_secs_f64() * 1e3,
+        })
     }
 
     /// The light map of the last run; `None` for a method without one.

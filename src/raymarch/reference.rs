@@ -8,7 +8,6 @@ use super::{Progress, Renderer, View};
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
 use crate::frame::{Frame, read_frame, write_frame};
-use crate::gpu::sources_hash;
 use crate::occlusion::MethodSetup;
 use crate::scene::ImageSize;
 use serde::{Deserialize, Serialize};
@@ -144,8 +143,7 @@ fn render(
     counting: Counting,
     progress: Progress,
 ) -> Result<Made> {
-    let setup =
-        MethodSetup::defaults("truth")?.with("step_m", &view.scene.truth_step_m().to_string())?;
+    let setup = MethodSetup::truth(&view.scene)?;
     let times = renderer
         .prepare(view, &setup)?
         .run(&renderer.gpu, progress)?;
@@ -179,7 +177,7 @@ fn truth_id(renderer: &Renderer, view: &View) -> String {
         "image": view.image,
         "skip": view.skip,
         "volume": view.density.content_hash,
-        "shaders": sources_hash().to_string(),
+        "shaders": renderer.gpu.sources.hash().to_string(),
         "adapter": [environment.adapter, environment.driver, environment.backend],
         "version": environment.commit,
     });

@@ -66,7 +66,7 @@ pub(super) fn case_id(
     let key = json!([
         SCHEMA,
         env!("CARGO_PKG_VERSION"),
-        crate::gpu::sources_hash().to_hex().as_str(),
+        crate::gpu::Sources::embedded().hash().to_hex().as_str(),
         renderer.map(|renderer| renderer.gpu.environment()),
         [&extreme.group, &extreme.name],
         scene,

@@ -1,0 +1,61 @@
+//! `occlab view`.
+
+use super::scene::named_scene;
+use occlab::Error;
+use occlab::gpu::Gpu;
+use occlab::live::State;
+use occlab::ui::{Options, WITHOUT_A_WINDOW, open};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+#[derive(clap::Args, Default)]
+pub struct View {
+    /// Scene or experiment file, or the name of a scene in configs/scenes; default: where the last window was left.
+    scene: Option<PathBuf>,
+    /// Part of the adapter's name; default: the fastest kind.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Read shaders from this folder instead of the compiled-in ones, and again whenever they change (a debug build
+    /// watches its own source folder).
+    #[arg(long, value_name = "DIR")]
+    shaders: Option<PathBuf>,
+}
+
+impl View {
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        let start = Instant::now();
+        check_display()?;
+        let state = match &self.scene {
+            Some(scene) => Some(State::load(&named_scene(scene))?),
+            None => None,
+        };
+        let watched = cfg!(debug_assertions)
+            .then(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders")));
+        let options = Options {
+            state,
+            shaders: self.shaders.or(watched),
+            start,
+        };
+        open(Gpu::new(self.adapter.as_deref())?, options)?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// X11 and Wayland name their display in the environment; other systems always have one.
+fn check_display() -> occlab::Result<()> {
+    let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let needed = cfg!(all(unix, not(target_os = "macos")));
+    if needed
+        && !["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+            .into_iter()
+            .any(named)
+    {
+        return Err(Error::input(
+            "view",
+            "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)",
+            WITHOUT_A_WINDOW,
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,118 @@
+//! Pictures while somebody changes their mind: a worker thread that owns the renderer, takes requests of which the latest
+//! wins, and sends back pictures that start coarse and end exact. What a window consumes; knows none.
+//!
+//! ```text
+//! Request ─► mailbox ─► worker: coarse picture, exact picture, truth band by band, error numbers ─► Update
+//! ```
+//!
+//! An exact picture is the one a batch cell has, and so are its error numbers.
+
+mod mailbox;
+mod probes;
+mod stage;
+mod state;
+mod update;
+mod worker;
+
+pub use probes::{Probed, Where};
+pub use state::State;
+pub use update::{Drawn, Rgb, Update, What};
+
+use crate::gpu::Gpu;
+use crate::occlusion::MethodSetup;
+use crate::scene::{ImageSize, Scene};
+use mailbox::Mailbox;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::JoinHandle;
+use update::Sender;
+
+/// Duration that a dispatch aims at while a window waits for the same queue, ms.
+pub const TILE_MS: f64 = 16.0;
+
+/// What somebody wants to see.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Comes back with every [`Update`] about it.
+    pub serial: u64,
+    /// A valid scene.
+    pub scene: Scene,
+    /// Size of the exact pictures.
+    pub image: ImageSize,
+    /// Methods, the most urgent first; [`What::Method`] counts them from 0.
+    pub methods: Vec<MethodSetup>,
+    /// The truth too, and error numbers of every method against it.
+    pub truth: bool,
+    /// Index of the method whose light map is wanted.
+    pub map_of: Option<usize>,
+    /// Render the first method again and again when everything is done, for its times.
+    pub repeat: bool,
+}
+
+/// The worker as its owner sees it; ends with it.
+pub struct Live {
+    mailbox: Arc<Mailbox>,
+    updates: Receiver<Update>,
+    sender: Sender,
+    oracle: probes::Shared,
+    worker: Option<JoinHandle<()>>,
+}
+
+impl Live {
+    /// Starts a worker on `gpu`. `wake` is called from other threads after every update; shaders are read from `shaders`,
+    /// where given, and read again when they change.
+    pub fn start(
+        gpu: Gpu,
+        shaders: Option<PathBuf>,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        let mailbox = Arc::new(Mailbox::default());
+        let (send, updates) = channel();
+        let sender = Sender::new(send, Arc::new(wake));
+        let (inbox, outbox) = (mailbox.clone(), sender.clone());
+        let worker = std::thread::spawn(move || worker::work(gpu, shaders, &inbox, outbox));
+        Self {
+            mailbox,
+            updates,
+            sender,
+            oracle: probes::Shared::default(),
+            worker: Some(worker),
+        }
+    }
+
+    /// Asks for pictures; an earlier request that is still under way is dropped after its first picture.
+    pub fn request(&self, request: Request) {
+        self.mailbox.post_request(request);
+    }
+
+    /// Runs an experiment file into `folder`; pictures wait until it is over.
+    pub fn batch(&self, config: PathBuf, folder: PathBuf) {
+        self.mailbox.post_batch(config, folder);
+    }
+
+    /// Stops the batch under way; its finished cells are kept.
+    pub fn cancel_batch(&self) {
+        self.mailbox.cancel_batch();
+    }
+
+    /// Asks for T(d) of `methods` along one light column, which the oracle computes beside the worker.
+    pub fn probe(&self, request: &Request, methods: Vec<MethodSetup>, at: Where) {
+        probes::start(&self.oracle, request, methods, at, self.sender.clone());
+    }
+
+    /// What happened since the last call.
+    pub fn updates(&self) -> impl Iterator<Item = Update> + '_ {
+        self.updates.try_iter()
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.mailbox.stop();
+        if let Some(worker) = self.worker.take() {
+            // A worker that panicked has said so on stderr; there is nothing left to end.
+            let _ = worker.join();
+        }
+    }
+}

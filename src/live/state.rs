@@ -1,0 +1,114 @@
+//! What is looked at, as the JSON that a batch reads.
+
+use crate::config::{expand, load_experiment, load_scene};
+use crate::error::{Error, Result};
+use crate::frame::atomic::write_atomic;
+use crate::occlusion::{MethodSetup, Registry, find};
+use crate::scene::{Density, ImageSize, Scene};
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::Path;
+
+/// A scene, an image size and two methods to compare.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// A valid scene.
+    pub scene: Scene,
+    /// Size of exact pictures.
+    pub image: ImageSize,
+    /// The methods A and B.
+    pub methods: [MethodSetup; 2],
+}
+
+impl State {
+    /// The picture size of a state that names none.
+    pub const IMAGE: ImageSize = ImageSize {
+        width: 320,
+        height: 180,
+    };
+
+    /// A scene with the methods that the lab is asked about most.
+    pub fn new(scene: Scene) -> Result<Self> {
+        Ok(Self {
+            scene,
+            image: Self::IMAGE,
+            methods: [MethodSetup::defaults("srm")?, MethodSetup::defaults("bsm")?],
+        })
+    }
+
+    /// Reads a scene file, or the first scene, size and methods of an experiment file.
+    pub fn load(path: &Path) -> Result<Self> {
+        let is_experiment = crate::config::Document::read(path)?
+            .value()
+            .get("scenes")
+            .is_some();
+        if !is_experiment {
+            return Self::new(load_scene(path)?);
+        }
+        let matrix = expand(&load_experiment(path)?, &Registry)?;
+        let view = matrix.views.first().ok_or_else(|| {
+            Error::input(
+                path.display().to_string(),
+                "the experiment has no view",
+                "Give it a scene and a method.",
+            )
+        })?;
+        let mut methods = view.cells.iter().map(|cell| {
+            Ok(MethodSetup {
+                method: find(&cell.method)?,
+                params: cell.params.clone(),
+            })
+        });
+        let mut state = Self::new(view.scene.clone())?;
+        state.image = view.image;
+        for method in &mut state.methods {
+            if let Some(setup) = methods.next() {
+                *method = setup?;
+            }
+        }
+        Ok(state)
+    }
+
+    /// The state as an experiment of one view whose scene stands in the file itself.
+    pub fn experiment(&self) -> Result<Value> {
+        let mut scene = self.scene.clone();
+        if let Density::Volume(volume) = &mut scene.density {
+            let path = &mut volume.path;
+            *path = std::path::absolute(&*path).map_err(Error::reading(path))?;
+        }
+        let mut methods: Vec<Value> = Vec::new();
+        for setup in &self.methods {
+            let mut entry = json!({ "method": setup.method.info().id });
+            for (name, value) in setup.params.iter() {
+                entry[name] = json!(value);
+            }
+            if !methods.contains(&entry) {
+                methods.push(entry);
+            }
+        }
+        Ok(json!({
+            "name": scene.name,
+            "image": self.image,
+            "scenes": [{ "scene": scene }],
+            "methods": methods,
+        }))
+    }
+
+    /// Writes [`State::experiment`] to a file that `occlab batch` and [`State::load`] read.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        write_json(path, &self.experiment()?)
+    }
+
+    /// Writes the scene alone, for `occlab render` and for experiments.
+    pub fn save_scene(&self, path: &Path) -> Result<()> {
+        write_json(path, &self.experiment()?["scenes"][0]["scene"])
+    }
+}
+
+fn write_json(path: &Path, value: &Value) -> Result<()> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| Error::writing(path)(e.into()))?;
+    write_atomic(path, |file| {
+        file.write_all(text.as_bytes())
+            .map_err(Error::writing(path))
+    })
+}

@@ -1,0 +1,253 @@
+//! The window's content and what it remembers between frames.
+
+use super::shown::Shown;
+use super::view::{Mode, Pane};
+use super::{banner, controls, measure};
+use crate::config::load_scene;
+use crate::error::{Error, Result};
+use crate::live::{Live, Request, State, Update};
+use crate::occlusion::{MethodSetup, REGISTRY};
+use eframe::egui;
+use egui::util::undoer::Undoer;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// Which method a panel speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Slot {
+    /// The method A, or B: 0, 1.
+    Side(usize),
+    /// The truth.
+    Truth,
+    /// A method of the grid, by its place in the registry.
+    Grid(usize),
+}
+
+/// The window's content; drawn by eframe, and by tests without a window.
+pub struct App {
+    pub(super) state: State,
+    pub(super) mode: Mode,
+    pub(super) pane: Pane,
+    pub(super) shown: Shown,
+    pub(super) live: Live,
+    pub(super) adapter: String,
+    /// Scene files to choose from.
+    pub(super) scenes: Vec<PathBuf>,
+    /// The chosen one, while it is unchanged.
+    pub(super) scene_file: Option<PathBuf>,
+    /// The truth is wanted: error numbers, differences.
+    pub(super) want_truth: bool,
+    /// Times are measured again and again.
+    pub(super) repeat: bool,
+    pub(super) undoer: Undoer<State>,
+    /// What it was opened with, for `reset`.
+    pub(super) initial: State,
+    pub(super) banners: banner::Banners,
+    sent: Option<Request>,
+    serial: u64,
+    start: Instant,
+    ending: Arc<Mutex<Option<String>>>,
+}
+
+/// Where scenes of the command line come from, too.
+const SCENES: &str = "configs/scenes";
+
+impl App {
+    /// The content of a window over a worker.
+    pub fn new(live: Live, adapter: String, state: Option<State>, start: Instant) -> Result<Self> {
+        let scenes = scene_files(Path::new(SCENES));
+        let (state, scene_file) = match (state, scenes.first()) {
+            (Some(state), _) => (state, None),
+            (None, Some(first)) => (State::new(load_scene(first)?)?, Some(first.clone())),
+            (None, None) => {
+                return Err(Error::input(
+                    SCENES,
+                    "there is no scene file in this folder",
+                    "Name a scene: `occlab view SCENE.json`.",
+                ));
+            }
+        };
+        Ok(Self {
+            initial: state.clone(),
+            state,
+            mode: Mode::default(),
+            pane: Pane::default(),
+            shown: Shown::default(),
+            live,
+            adapter,
+            scenes,
+            scene_file,
+            want_truth: true,
+            repeat: false,
+            undoer: Undoer::default(),
+            banners: banner::Banners::default(),
+            sent: None,
+            serial: 0,
+            start,
+            ending: Arc::default(),
+        })
+    }
+
+    /// The same; what ends the window against the user's will is written to `ending`.
+    pub(super) fn ending_in(self, ending: Arc<Mutex<Option<String>>>) -> Self {
+        Self { ending, ..self }
+    }
+
+    /// Replaces what is looked at.
+    pub(super) fn show_state(&mut self, state: State) {
+        self.state = state;
+        self.scene_file = None;
+    }
+
+    /// Takes what the worker sent.
+    fn receive(&mut self, ctx: &egui::Context) {
+        let updates: Vec<Update> = self.live.updates().collect();
+        for update in updates {
+            match update {
+                Update::Lost(problem) => {
+                    let mut ending = self.ending.lock().unwrap_or_else(PoisonError::into_inner);
+                    *ending = Some(problem);
+                    ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+                }
+                Update::Shaders(outcome) => self.banners.shaders(outcome),
+                Update::Failed { message, .. } => self.banners.say(message),
+                other => self.shown.take(ctx, other),
+            }
+        }
+    }
+
+    /// What the state and the way of comparing need, and which slots it fills.
+    fn wanted(&self) -> (Vec<Slot>, Vec<MethodSetup>) {
+        let side = |i: usize| (Slot::Side(i), self.state.methods[i].clone());
+        let mut wanted = vec![side(0)];
+        if self.mode.shows_b() {
+            wanted.push(side(1));
+        }
+        if self.mode == Mode::Grid {
+            for (i, method) in REGISTRY.iter().enumerate() {
+                // The grid shows each method as it is set in A or B, else at its defaults.
+                let id = method.info().id;
+                let own = self.state.methods.iter().find(|m| m.method.info().id == id);
+                let setup = own.cloned().or_else(|| MethodSetup::defaults(id).ok());
+                wanted.extend(
+                    setup
+                        .filter(|_| id != "truth")
+                        .map(|setup| (Slot::Grid(i), setup)),
+                );
+            }
+        }
+        wanted.into_iter().unzip()
+    }
+
+    /// Sends a request when something changed.
+    fn request(&mut self) {
+        let (slots, methods) = self.wanted();
+        let request = Request {
+            serial: self.serial,
+            scene: self.state.scene.clone(),
+            image: self.state.image,
+            methods,
+            truth: self.want_truth || self.mode.needs_truth(),
+            map_of: self.pane.map_of(),
+            repeat: self.repeat,
+        };
+        if self.sent.as_ref() == Some(&request) {
+            return;
+        }
+        if self.state.scene.validate().is_err() {
+            return; // a control is half-way; the panel says what is wrong
+        }
+        self.serial += 1;
+        let request = Request {
+            serial: self.serial,
+            ..request
+        };
+        self.shown.expect(&request, slots);
+        self.live.request(request.clone());
+        self.sent = Some(request);
+    }
+
+    /// The last request, for probes.
+    pub(super) fn sent(&self) -> Option<&Request> {
+        self.sent.as_ref()
+    }
+
+    /// When the program was started.
+    pub(super) fn start(&self) -> Instant {
+        self.start
+    }
+
+    /// Draws everything.
+    pub fn draw(&mut self, ui: &mut egui::Ui) {
+        let ctx = ui.ctx().clone();
+        self.receive(&ctx);
+        egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
+        egui::Panel::top("banners")
+            .show_separator_line(false)
+            .resizable(false)
+            .show(ui, |ui| self.banners.draw(ui));
+        egui::Panel::left("controls")
+            .default_size(270.0)
+            .show(ui, |ui| {
+                egui::ScrollArea::vertical().show(ui, |ui| controls::draw(self, ui));
+            });
+        egui::Panel::right("measure")
+            .default_size(250.0)
+            .show(ui, |ui| {
+                egui::ScrollArea::vertical().show(ui, |ui| measure::draw(self, ui));
+            });
+        egui::CentralPanel::default().show(ui, |ui| super::view::draw(self, ui));
+        self.undoer.feed_state(ctx.input(|i| i.time), &self.state);
+        self.request();
+    }
+
+    fn menu(&mut self, ui: &mut egui::Ui) {
+        egui::MenuBar::new().ui(ui, |ui| {
+            ui.menu_button("Edit", |ui| {
+                if ui.button("Undo").clicked() {
+                    self.undo();
+                }
+                if ui.button("Redo").clicked() {
+                    self.redo();
+                }
+                if ui.button("Reset").clicked() {
+                    self.state = self.initial.clone();
+                }
+            });
+            egui::widgets::global_theme_preference_buttons(ui);
+        });
+    }
+
+    pub(super) fn undo(&mut self) {
+        if let Some(state) = self.undoer.undo(&self.state).cloned() {
+            self.state = state;
+        }
+    }
+
+    pub(super) fn redo(&mut self) {
+        if let Some(state) = self.undoer.redo(&self.state).cloned() {
+            self.state = state;
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.draw(ui);
+    }
+}
+
+/// JSON files of a folder, by name; none when it cannot be read.
+fn scene_files(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let mut files: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|e| e == "json"))
+        .collect();
+    files.sort();
+    files
+}

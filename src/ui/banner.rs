@@ -1,0 +1,44 @@
+//! Lines across the window: what went wrong and is still true.
+
+use eframe::egui;
+
+/// See the module.
+#[derive(Default)]
+pub struct Banners {
+    shaders: Option<String>,
+    said: Option<String>,
+}
+
+impl Banners {
+    /// Shaders on disk were taken over, or refused.
+    pub fn shaders(&mut self, outcome: Result<(), String>) {
+        self.shaders = outcome.err();
+    }
+
+    /// Something failed; the next one replaces it.
+    pub fn say(&mut self, message: String) {
+        self.said = Some(message);
+    }
+
+    /// Draws what there is.
+    pub fn draw(&mut self, ui: &mut egui::Ui) {
+        if let Some(problem) = &self.shaders {
+            ui.colored_label(
+                ui.visuals().error_fg_color,
+                format!(
+                    "The shaders on disk do not compile; the ones before are in use. {problem}"
+                ),
+            );
+        }
+        let Some(said) = &self.said else {
+            return;
+        };
+        let closed = ui.horizontal_wrapped(|ui| {
+            ui.colored_label(ui.visuals().error_fg_color, said);
+            ui.small_button("Close").clicked()
+        });
+        if closed.inner {
+            self.said = None;
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! A method and its parameters, drawn from what the registry declares of them.
+
+use crate::occlusion::param::{ParamKind, ParamSpec, ParamValue};
+use crate::occlusion::{MethodSetup, REGISTRY};
+use eframe::egui;
+
+/// A drop-down of the registry and a control for each parameter of the chosen method.
+pub fn draw(ui: &mut egui::Ui, title: &str, setup: &mut MethodSetup) {
+    let label = ui.strong(title);
+    let info = setup.method.info();
+    egui::ComboBox::from_id_salt(title)
+        .selected_text(format!("{} – {}", info.id, info.title))
+        .width(ui.available_width() - 8.0)
+        .show_ui(ui, |ui| {
+            for method in REGISTRY {
+                let other = method.info();
+                let text = format!("{} – {}", other.id, other.title);
+                let label = ui.selectable_label(other.id == info.id, text);
+                if label.on_hover_text(other.citation).clicked()
+                    && other.id != info.id
+                    && let Ok(fresh) = MethodSetup::defaults(other.id)
+                {
+                    *setup = fresh;
+                }
+            }
+        })
+        .response
+        .labelled_by(label.id)
+        .on_hover_text(info.citation);
+    egui::Grid::new((title, "parameters"))
+        .num_columns(2)
+        .show(ui, |ui| {
+            let specs = setup.method.info().specs();
+            for spec in specs {
+                parameter(ui, title, spec, setup);
+                ui.end_row();
+            }
+        });
+}
+
+fn parameter(ui: &mut egui::Ui, title: &str, spec: &'static ParamSpec, setup: &mut MethodSetup) {
+    let Some(value) = setup.params.get(spec.name) else {
+        return;
+    };
+    let doc = format!(
+        "{}\n{}{}, default {}",
+        spec.doc,
+        spec.range_text(),
+        if spec.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" {}", spec.unit)
+        },
+        spec.default_value()
+    );
+    let label = ui.label(spec.name).on_hover_text(&doc);
+    let new = match (value, spec.kind) {
+        (ParamValue::Int(mut v), ParamKind::Int { min, max, .. }) => {
+            let speed = (v as f64 * 0.02).max(0.1);
+            let drag = egui::DragValue::new(&mut v).range(min..=max).speed(speed);
+            ui.add(suffixed(drag, spec))
+                .labelled_by(label.id)
+                .on_hover_text(doc);
+            ParamValue::Int(v)
+        }
+        (ParamValue::Float(mut v), ParamKind::Float { min, max, .. }) => {
+            let speed = (v.abs() * 0.01).max(1e-3);
+            let drag = egui::DragValue::new(&mut v).range(min..=max).speed(speed);
+            ui.add(suffixed(drag, spec))
+                .labelled_by(label.id)
+                .on_hover_text(doc);
+            ParamValue::Float(v)
+        }
+        (ParamValue::Choice(v), ParamKind::Choice { options, .. }) => {
+            let mut chosen = v;
+            egui::ComboBox::from_id_salt((title, spec.name))
+                .selected_text(v)
+                .show_ui(ui, |ui| {
+                    for option in options {
+                        ui.selectable_value(&mut chosen, *option, *option);
+                    }
+                })
+                .response
+                .labelled_by(label.id)
+                .on_hover_text(doc);
+            ParamValue::Choice(chosen)
+        }
+        (other, _) => other,
+    };
+    setup.params.set(spec.name, new);
+    let default = spec.default_value();
+    if new != default
+        && ui
+            .small_button("↺")
+            .on_hover_text(format!("Back to {default}"))
+            .clicked()
+    {
+        setup.params.set(spec.name, default);
+    }
+}
+
+fn suffixed<'a>(drag: egui::DragValue<'a>, spec: &ParamSpec) -> egui::DragValue<'a> {
+    if spec.unit.is_empty() {
+        drag
+    } else {
+        drag.suffix(format!(" {}", spec.unit))
+    }
+}

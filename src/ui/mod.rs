@@ -1,0 +1,81 @@
+//! The window: methods from a drop-down, the difference at once. It shows what [`crate::live`] sends and decides nothing
+//! about rendering; the only GPU object it knows is the texture that egui shows.
+//!
+//! ```text
+//! State (scene, size, methods A and B) ─► Request ─► live ─► Update ─► Shown (textures, numbers) ─► panels
+//! ```
+
+mod app;
+mod banner;
+mod controls;
+mod measure;
+mod shown;
+mod view;
+
+pub use app::App;
+pub use view::Mode;
+
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::live::{Live, State};
+use eframe::egui;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// What the window is opened with.
+pub struct Options {
+    /// What to show first; `None` = where the last window was left, else the first scene of `configs/scenes`.
+    pub state: Option<State>,
+    /// Folder of shaders to read instead of the compiled-in ones, and to watch.
+    pub shaders: Option<PathBuf>,
+    /// When the program was started.
+    pub start: Instant,
+}
+
+/// Opens the window on `gpu` and returns when it is closed.
+pub fn open(gpu: Gpu, options: Options) -> Result<()> {
+    let wgpu_setup = eframe::egui_wgpu::WgpuSetupExisting {
+        instance: gpu.instance.clone(),
+        adapter: gpu.adapter.clone(),
+        device: gpu.device.clone(),
+        queue: gpu.queue.clone(),
+    };
+    let native = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("occlab")
+            .with_inner_size([1280.0, 720.0]),
+        wgpu_options: eframe::egui_wgpu::WgpuConfiguration {
+            wgpu_setup: wgpu_setup.into(),
+            ..Default::default()
+        },
+        ..Default::default()
+    };
+    let ending = Arc::new(Mutex::new(None));
+    let told = ending.clone();
+    let create = Box::new(move |cc: &eframe::CreationContext<'_>| {
+        let ctx = cc.egui_ctx.clone();
+        let adapter = gpu.environment().adapter;
+        let live = Live::start(gpu, options.shaders, move || ctx.request_repaint());
+        let app = App::new(live, adapter, options.state, options.start)?.ending_in(told);
+        Ok(Box::new(app) as Box<dyn eframe::App>)
+    });
+    eframe::run_native("occlab", native, create).map_err(|error| {
+        Error::input(
+            "view",
+            format!("the window cannot be opened: {error}"),
+            WITHOUT_A_WINDOW,
+        )
+    })?;
+    let ended = ending.lock().unwrap_or_else(PoisonError::into_inner).take();
+    match ended {
+        None => Ok(()),
+        Some(problem) => Err(Error::gpu(
+            problem,
+            "What was shown is kept: run the command again to go on.",
+        )),
+    }
+}
+
+/// What to do where no window can be.
+pub const WITHOUT_A_WINDOW: &str = "Without a display use `occlab render --scene cumulus --method bsm --out bsm.png` or `occlab batch configs/quick.json`.";
