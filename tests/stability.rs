@@ -1,5 +1,6 @@
 //! The extremes: stable forms hold where published ones end. All but one test run on the oracle alone.
 
+#[macro_use]
 mod common;
 
 use common::{box_scene, on_gpu, setup, size};
