@@ -171,6 +171,8 @@ impl Gpu {
 
     /// The adapter is gone: nothing on this device will ever finish again.
     pub fn is_lost(&self) -> bool {
+        // Some losses are only reported while somebody polls; whether this poll succeeds says nothing more.
+        let _ = self.device.poll(wgpu::PollType::Poll);
         self.lost.load(Relaxed)
     }
 

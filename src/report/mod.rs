@@ -18,12 +18,12 @@ mod charts;
 mod contact;
 mod csv;
 mod files;
-mod format;
+pub(crate) mod format;
 mod page;
 mod pareto;
 mod records;
 mod stability;
-mod style;
+pub(crate) mod style;
 mod view;
 
 #[cfg(test)]

@@ -1,23 +1,267 @@
-//! The right panel: times, memory and error numbers.
+//! The right panel: times, memory and error numbers of what is shown.
 
 use super::app::{App, Slot};
+use crate::metrics::{Comparison, summarise};
+use crate::raymarch::PassTimes;
+use crate::report::format::{bytes, maybe, ms, number};
+use crate::report::style::Style;
 use eframe::egui;
+use egui_plot::{Legend, Line, Plot, PlotPoints};
 
 /// Draws the panel.
 pub fn draw(app: &mut App, ui: &mut egui::Ui) {
-    ui.label(&app.adapter);
-    ui.checkbox(&mut app.want_truth, "Truth and errors");
-    ui.checkbox(&mut app.repeat, "Measure again and again");
+    ui.label(&app.adapter)
+        .on_hover_text("The adapter. All times are its own.");
+    let sides: Vec<usize> = if app.mode.shows_b() {
+        vec![0, 1]
+    } else {
+        vec![0]
+    };
+    times(app, ui, &sides);
+    ui.separator();
+    errors(app, ui, &sides);
+    ui.separator();
+    waiting(app, ui);
+}
+
+/// A table with a column for each side; `None` = not measured yet.
+fn table(
+    app: &App,
+    ui: &mut egui::Ui,
+    name: &str,
+    sides: &[usize],
+    rows: &[(&str, &str, Vec<Option<String>>)],
+) {
+    egui::Grid::new(name).striped(true).show(ui, |ui| {
+        ui.label("");
+        for side in sides {
+            let id = app.state.methods[*side].method.info().id;
+            ui.strong(format!("{} {id}", ["A", "B"][*side]));
+        }
+        ui.end_row();
+        for (row, doc, values) in rows {
+            ui.label(*row).on_hover_text(*doc);
+            for value in values {
+                ui.monospace(value.as_deref().unwrap_or("…"));
+            }
+            ui.end_row();
+        }
+    });
+}
+
+fn times(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
+    ui.strong("Time and memory");
+    let costs: Vec<_> = sides
+        .iter()
+        .map(|i| app.shown.picture(Slot::Side(*i)).and_then(|p| p.drawn.cost))
+        .collect();
+    let time = |of: &dyn Fn(&PassTimes) -> Option<f64>| {
+        costs.iter().map(|c| c.map(|(t, _)| ms(of(&t)))).collect()
+    };
+    let memory = |of: &dyn Fn(&crate::raymarch::Memory) -> u64| {
+        costs
+            .iter()
+            .map(|c| c.map(|(_, m)| bytes(of(&m))))
+            .collect()
+    };
+    let pass = "GPU timestamps of the last exact picture; n/a where there is no map, or the adapter has no timestamps.";
+    let rows = [
+        ("generate", pass, time(&|t| t.generate)),
+        ("march", pass, time(&|t| t.march)),
+        ("total", pass, time(&PassTimes::total)),
+        (
+            "wall",
+            "From submission to completion, with the waits of small tiles that keep the window alive.",
+            time(&|t| Some(t.wall)),
+        ),
+        (
+            "payload",
+            "Values × bytes a value × texels.",
+            memory(&|m| m.payload_bytes),
+        ),
+        (
+            "map",
+            "The map's textures as allocated.",
+            memory(&|m| m.map_bytes),
+        ),
+    ];
+    table(app, ui, "times", sides, &rows);
+    let doc = "Renders A again and again when everything else is done, for the median.";
+    ui.checkbox(&mut app.repeat, "Measure A again and again")
+        .on_hover_text(doc);
+    rolling(app, ui);
+}
+
+/// Times of A over its last runs, and their medians.
+fn rolling(app: &App, ui: &mut egui::Ui) {
+    let runs = &app.shown.runs;
+    let series: [(&str, fn(&PassTimes) -> Option<f64>); 3] = [
+        ("generate", |t| t.generate),
+        ("march", |t| t.march),
+        ("total", PassTimes::total),
+    ];
+    Plot::new("times of A")
+        .height(110.0)
+        .include_y(0.0)
+        .show_axes([false, true])
+        .y_axis_label("ms")
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .show_x(false)
+        .legend(Legend::default())
+        .show(ui, |plot| {
+            for (i, (name, of)) in series.into_iter().enumerate() {
+                let points: PlotPoints<'_> = runs
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(run, t)| Some([run as f64, of(t)?]))
+                    .collect();
+                let id = ["esm", "bsm", "srm"][i];
+                plot.line(Line::new(name, points).color(colour(id, plot.ctx())));
+            }
+        });
+    let totals: Vec<f64> = runs.iter().filter_map(PassTimes::total).collect();
+    if let Some(stats) = summarise(&totals) {
+        let text = format!(
+            "total of A: median {}, p95 {}, cv {} %, n {}",
+            ms(Some(stats.median)),
+            ms(Some(stats.p95)),
+            number(stats.cv * 100.0),
+            stats.n
+        );
+        ui.small(text);
+    }
+}
+
+/// A method's colour; on a dark background light enough to be seen.
+pub fn colour(id: &str, ctx: &egui::Context) -> egui::Color32 {
+    let (r, g, b) = Style::of(id).rgb;
+    let dark = ctx.theme() == egui::Theme::Dark;
+    let lift = |v: u8| {
+        if dark {
+            110 + (u16::from(v) * 145 / 255) as u8
+        } else {
+            v
+        }
+    };
+    egui::Color32::from_rgb(lift(r), lift(g), lift(b))
+}
+
+fn errors(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
+    ui.horizontal(|ui| {
+        ui.strong("Error against the truth");
+        ui.checkbox(&mut app.want_truth, "on")
+            .on_hover_text("Render the truth of every view, and compare exact pictures with it.");
+    });
+    if !app.want_truth && !app.mode.needs_truth() {
+        return;
+    }
+    let mut stale = false;
+    let mut problem = None;
+    let compared: Vec<Option<Comparison>> = sides
+        .iter()
+        .map(|i| {
+            let (compared, current) = app.shown.compared(Slot::Side(*i))?;
+            stale |= !current;
+            match &compared.result {
+                Ok((comparison, _)) => Some(*comparison),
+                Err(why) => {
+                    problem = Some(why.clone());
+                    None
+                }
+            }
+        })
+        .collect();
+    table(app, ui, "errors", sides, &error_rows(&compared));
+    if let Some(problem) = problem {
+        ui.colored_label(ui.visuals().error_fg_color, problem);
+    }
+    let state = match (compared.iter().all(Option::is_some), stale) {
+        (false, _) => "waiting for the truth and an exact picture",
+        (true, true) => "of the view before; the new one is under way",
+        (true, false) => "as a batch cell has them",
+    };
+    ui.small(state);
+}
+
+/// The error numbers that one picture tells, with their definitions.
+fn error_rows(
+    compared: &[Option<Comparison>],
+) -> Vec<(&'static str, &'static str, Vec<Option<String>>)> {
+    let row = |name, doc, of: &dyn Fn(&Comparison) -> String| {
+        (
+            name,
+            doc,
+            compared.iter().map(|c| c.as_ref().map(of)).collect(),
+        )
+    };
+    vec![
+        row(
+            "rel_rmse",
+            "√Σ(L̂−L)² / √ΣL² of sun-lit radiance over cloud pixels",
+            &|c| number(c.error.rel_rmse),
+        ),
+        row("bias", "ΣΔL / ΣL = leak + darken", &|c| {
+            number(c.error.bias)
+        }),
+        row(
+            "leak",
+            "Σmax(ΔL, 0) / ΣL: light where there should be shadow",
+            &|c| number(c.error.leak),
+        ),
+        row(
+            "darken",
+            "Σmin(ΔL, 0) / ΣL: shadow where there should be light",
+            &|c| number(c.error.darken),
+        ),
+        row("p99_abs", "99th percentile of |ΔL| / mean L", &|c| {
+            number(c.error.p99_abs)
+        }),
+        row("max_abs", "Largest |ΔL| / mean L", &|c| {
+            number(c.error.max_abs)
+        }),
+        row(
+            "transmittance_rmse",
+            "RMSE of the light transmittance itself",
+            &|c| number(c.error.transmittance_rmse),
+        ),
+        row("flip_mean", "Mean FLIP, LDR, 67 pixels a degree", &|c| {
+            number(c.error.flip_mean)
+        }),
+        row("flip_p99", "99th percentile of FLIP", &|c| {
+            number(c.error.flip_p99)
+        }),
+        row(
+            "psnr_db",
+            "Peak signal-to-noise ratio of the tone-mapped picture, dB",
+            &|c| maybe(c.error.psnr_db),
+        ),
+        row(
+            "ssim",
+            "Structural similarity of the tone-mapped luma",
+            &|c| number(c.error.ssim),
+        ),
+        row("nonfinite", "Channels that are NaN or infinite", &|c| {
+            c.error.nonfinite.to_string()
+        }),
+        row(
+            "cloud pixels",
+            "Share of pixels whose opacity in the truth exceeds 0.01",
+            &|c| number(c.cloud_pixel_fraction),
+        ),
+    ]
+}
+
+fn waiting(app: &App, ui: &mut egui::Ui) {
+    let doc = "From a change to its first, perhaps coarse, picture on the screen.";
     if let Some(latency_ms) = app.shown.latency_ms {
-        ui.label(format!("input to picture {latency_ms:.0} ms"));
+        ui.small(format!("input to picture: {}", ms(Some(latency_ms))))
+            .on_hover_text(doc);
     }
-    if let Some((times, memory)) = app.shown.picture(Slot::Side(0)).and_then(|p| p.drawn.cost) {
-        ui.label(format!("{times:?} {memory:?}"));
-    }
-    if let Some((compared, current)) = app.shown.compared(Slot::Side(0)) {
-        match &compared.result {
-            Ok((comparison, _)) => ui.label(format!("{current} {:?}", comparison.error)),
-            Err(problem) => ui.label(problem),
-        };
+    if let Some(first) = app.shown.first {
+        let waited_ms = first.duration_since(app.start()).as_secs_f64() * 1e3;
+        ui.small(format!("start to first picture: {}", ms(Some(waited_ms))));
     }
 }

@@ -3,7 +3,9 @@
 use super::app::Slot;
 use crate::live::{Drawn, Probed, Request, Rgb, Update, What};
 use crate::metrics::Comparison;
+use crate::occlusion::MethodSetup;
 use crate::raymarch::{MapTexels, PassTimes};
+use crate::scene::{ImageSize, Scene};
 use eframe::egui;
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
@@ -20,6 +22,8 @@ pub struct Shown {
     pictures: HashMap<Slot, Picture>,
     compared: HashMap<Slot, Compared>,
     expected: VecDeque<Expected>,
+    /// What `runs` are times of.
+    timed: Option<(Scene, ImageSize, Option<MethodSetup>)>,
     /// Everything that was asked for is there.
     pub done: bool,
     /// The light map that was asked for last; `None` inside: the method has none.
@@ -30,6 +34,8 @@ pub struct Shown {
     pub runs: VecDeque<PassTimes>,
     /// From the last change to its first picture on the screen, ms.
     pub latency_ms: Option<f64>,
+    /// When the first picture of all came.
+    pub first: Option<Instant>,
     /// Updates of a batch, for the panel that runs it.
     pub batch: Vec<Update>,
 }
@@ -61,6 +67,15 @@ impl Shown {
     /// A request was sent whose methods belong to `slots`.
     pub fn expect(&mut self, request: &Request, slots: Vec<Slot>) {
         self.done = false;
+        let timed = (
+            request.scene.clone(),
+            request.image,
+            request.methods.first().cloned(),
+        );
+        if self.timed.as_ref() != Some(&timed) {
+            self.runs.clear();
+            self.timed = Some(timed);
+        }
         self.expected.push_back(Expected {
             serial: request.serial,
             slots,
@@ -126,13 +141,14 @@ impl Shown {
             && !expected.seen
         {
             expected.seen = true;
+            self.first.get_or_insert_with(Instant::now);
             self.latency_ms = Some(expected.since.elapsed().as_secs_f64() * 1e3);
         }
         if slot == Slot::Side(0)
             && let Some((times, _)) = drawn.cost
         {
-            let known = self.pictures.get(&slot).and_then(|p| p.drawn.cost);
-            if known.is_none_or(|(known, _)| known != times) {
+            // A picture that was there already is sent again with the time it took then.
+            if self.runs.back() != Some(&times) {
                 self.add_run(times);
             }
         }
