@@ -169,6 +169,11 @@ impl Gpu {
         }
     }
 
+    /// Does the adapter compute on the processor?
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
     /// The adapter is gone: nothing on this device will ever finish again.
     pub fn is_lost(&self) -> bool {
         // Some losses are only reported while somebody polls; whether this poll succeeds says nothing more.

@@ -3,7 +3,7 @@
 use super::mailbox::{Job, Mailbox};
 use super::stage::{Finished, Stage, coarser, filled};
 use super::update::{Rgb, Sender, Update, What};
-use super::{Request, TILE_MS};
+use super::{Request, tile_ms};
 use crate::backend::{Backend, View};
 use crate::batch;
 use crate::config::load_experiment;
@@ -32,8 +32,9 @@ const MOST_FACTOR: u32 = 8;
 
 /// Takes jobs until it is told to stop.
 pub(super) fn work(gpu: Gpu, shaders: Option<PathBuf>, mailbox: &Mailbox, sender: Sender) {
+    let tile_ms = tile_ms(&gpu);
     let mut renderer = Renderer::new(gpu);
-    renderer.tile_ms = TILE_MS;
+    renderer.tile_ms = tile_ms;
     let mut worker = Worker {
         backend: Backend::Device(Box::new(renderer)),
         mailbox,
