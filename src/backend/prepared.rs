@@ -1,5 +1,6 @@
 //! A method made ready in a view, on either backend.
 
+use super::temporal::Temporal;
 use super::{Backend, View, ViewKind};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -28,6 +29,7 @@ enum Kind<'v> {
         /// What the last run made.
         made: RefCell<Option<(Frame, Counts)>>,
     },
+    Temporal(Temporal<'v>),
 }
 
 /// A view was handed to a backend that did not make it.
@@ -67,9 +69,18 @@ impl<'v> Prepared<'v> {
         })
     }
 
-    /// Renders once. On the oracle the map is marched anew, and only the wall time is known.
+    pub(super) fn temporal(memory: Memory, setup: &MethodSetup, temporal: Temporal<'v>) -> Self {
+        Self {
+            memory,
+            setup: setup.clone(),
+            kind: Kind::Temporal(temporal),
+        }
+    }
+
+    /// Renders once, or the next frame of a sequence. On the oracle the map is marched anew, and only the wall time is known.
     pub fn run(&self, progress: Progress) -> Result<PassTimes> {
         match &self.kind {
+            Kind::Temporal(temporal) => temporal.run(&self.setup, progress),
             Kind::Device {
                 renderer, prepared, ..
             } => prepared.run(&renderer.gpu, progress),
@@ -89,6 +100,7 @@ impl<'v> Prepared<'v> {
     /// The picture of the last run. A device keeps one for each view: ask before another method runs there.
     pub fn picture(&self) -> Result<Frame> {
         match &self.kind {
+            Kind::Temporal(temporal) => temporal.picture(),
             Kind::Device { renderer, view, .. } => view.read(&renderer.gpu),
             Kind::Oracle { made, .. } => match &*made.borrow() {
                 Some((frame, _)) => Ok(frame.clone()),
@@ -97,10 +109,11 @@ impl<'v> Prepared<'v> {
         }
     }
 
-    /// Counts of one picture, and the seconds that counting took: a pass of its own on a device, nothing on the oracle,
+    /// Counts of one picture, or of one frame of a sequence, and the seconds that counting took: a pass of its own on a device, nothing on the oracle,
     /// which counts as it renders.
     pub fn counts(&self, progress: Progress) -> Result<(Counts, f64)> {
         match &self.kind {
+            Kind::Temporal(temporal) => temporal.counts(&self.setup, progress),
             Kind::Device { renderer, view, .. } => {
                 let counting = renderer.prepare_counting(view, &self.setup)?;
                 let times = counting.run(&renderer.gpu, progress)?;
@@ -114,7 +127,7 @@ impl<'v> Prepared<'v> {
     }
 }
 
-fn unrendered() -> Error {
+pub(super) fn unrendered() -> Error {
     Error::input(
         "backend",
         "a picture was asked for before it was rendered",

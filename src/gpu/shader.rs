@@ -55,6 +55,7 @@ const FILES: &[(&str, &str)] = shaders![
     "noise/columns.wgsl",
     "generate.wgsl",
     "raymarch.wgsl",
+    "temporal.wgsl",
 ];
 
 /// The text of a shader file as compiled in.

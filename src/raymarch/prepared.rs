@@ -24,9 +24,11 @@ pub struct Prepared {
     pub memory: Memory,
     map: Option<MapPass>,
     march: Rc<Kernel>,
-    groups: Vec<wgpu::BindGroup>,
+    /// One for each place that the march may write to.
+    groups: Vec<Vec<wgpu::BindGroup>>,
     tile: wgpu::Buffer,
     timer: Option<Timer>,
+    /// Threads of the march: pixels, or 2 × 2 blocks of them.
     image: [u32; 2],
     tile_rows: Cell<u32>,
     view_steps: u32,
@@ -35,11 +37,14 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// `quarters`: empty to march every pixel into the view's own picture; else the places where one pixel of every 2 × 2
+    /// block is marched to, see [`super::temporal`].
     pub(super) fn new(
         renderer: &Renderer,
         view: &View,
         setup: &MethodSetup,
         counting: bool,
+        quarters: &[Inputs],
     ) -> Result<Self> {
         let gpu = &renderer.gpu;
         let plan = setup.method.plan(&setup.params)?;
@@ -74,6 +79,9 @@ impl Prepared {
             .allocated_bytes()
             .zip(before)
             .map(|(now, before)| now.saturating_sub(before));
+        if !quarters.is_empty() {
+            defs.insert("TEMPORAL_2X2".into(), None);
+        }
         let march = renderer.kernel(&Program {
             entry: "raymarch.wgsl",
             roles: view.roles(info.shader),
@@ -89,7 +97,11 @@ impl Prepared {
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
         );
         inputs.resource("tile", Resource::Buffer(tile.clone()));
-        let groups = march.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
+        let bind = |into| march.bind(gpu, &[into, &inputs, &view.inputs, &view.density.inputs]);
+        let groups = match quarters {
+            [] => vec![bind(&Inputs::default())?],
+            places => places.iter().map(bind).collect::<Result<_>>()?,
+        };
         Ok(Self {
             memory,
             map,
@@ -97,7 +109,10 @@ impl Prepared {
             groups,
             tile,
             timer: Timer::new(gpu),
-            image,
+            image: match quarters {
+                [] => image,
+                _ => image.map(|side| side.div_ceil(2)),
+            },
             tile_rows: Cell::new(FIRST_TILE_ROWS),
             view_steps: view.scene.march.most_steps(),
             steps_a_dispatch: steps_a_dispatch(gpu, view, setup)?,
@@ -107,6 +122,16 @@ impl Prepared {
 
     /// Renders once, tile by tile.
     pub fn run(&self, gpu: &Gpu, progress: Progress) -> Result<PassTimes> {
+        self.run_into(gpu, 0, progress)
+    }
+
+    /// The same into one of the places given to [`Prepared::new`].
+    pub(super) fn run_into(
+        &self,
+        gpu: &Gpu,
+        place: usize,
+        progress: Progress,
+    ) -> Result<PassTimes> {
         let start = Instant::now();
         let mut times = PassTimes::default();
         if let Some(map) = &self.map {
@@ -128,7 +153,7 @@ impl Prepared {
                 let tile = [0, row, width, rows, step, end];
                 gpu.queue
                     .write_buffer(&self.tile, 0, bytemuck::bytes_of(&tile));
-                let ms = self.pass(gpu, &self.march, &self.groups, [width, rows, 1])?;
+                let ms = self.pass(gpu, &self.march, &self.groups[place], [width, rows, 1])?;
                 times.march = ms.map(|ms| ms + times.march.unwrap_or(0.0));
                 step = end;
             }
@@ -149,7 +174,8 @@ impl Prepared {
         self.tile_rows.set(((wanted as u32) / step).max(1) * step);
     }
 
-    fn pass(
+    /// One pass, timed where the adapter has timestamps.
+    pub(super) fn pass(
         &self,
         gpu: &Gpu,
         kernel: &Kernel,
