@@ -185,14 +185,12 @@ fn reprojection_beats_a_history_that_stays_on_the_screen() {
     }
 }
 
-#[test]
-fn the_device_and_its_twin_rebuild_the_same_frames() {
-    needs_adapter!();
+/// Frames of a flight on both: relative RMSE of the full picture, of the rebuilt one, and of a control that must not agree.
+fn check_twin(image: ImageSize, frames: u32, params: &str) {
     let folder = tempfile::tempdir().unwrap();
     let scene = blobs(folder.path(), true);
-    let image = size(41, 30);
-    let scenes: Vec<Scene> = (0..10).map(|n| flight(&scene, n)).collect();
-    let setup = setup("srm", "steps=6");
+    let scenes: Vec<Scene> = (0..frames).map(|n| flight(&scene, n)).collect();
+    let setup = setup("srm", params);
     let twin = on_oracle(&scenes, image, &setup);
     common::on_gpu(move |renderer| {
         let made = on_device(renderer, &scenes, image, &setup);
@@ -207,6 +205,19 @@ fn the_device_and_its_twin_rebuild_the_same_frames() {
             assert!(other > 5e-2, "frame {n}: the control agrees too: {other}");
         }
     });
+}
+
+#[test]
+fn the_device_and_its_twin_rebuild_the_same_frames() {
+    needs_adapter!();
+    check_twin(size(41, 30), 10, "steps=6");
+}
+
+/// So many light steps that a software adapter marches each view ray in several dispatches.
+#[test]
+fn a_ray_in_several_dispatches_keeps_its_depth() {
+    needs_adapter!();
+    check_twin(size(15, 10), 6, "steps=1000");
 }
 
 #[test]

@@ -47,8 +47,8 @@ fn table(view: &View<'_>, case: &Case<'_>) -> Markup {
         th scope="col" { "Method" }
         th scope="col" { "Setting" }
         @for name in [
-            "Full ms", "Frame ms", "Frame ÷ full", "of it march ms", "of it reconstruct ms", "Error at rest",
-            "Ghosting, first step", "Ghosting, last frame", "Largest", "History",
+            "Full ms", "Frame ms", "Frame ÷ full", "March ms", "Reconstruct ms", "At rest", "First step", "Last frame",
+            "Largest", "History",
         ] { th.n scope="col" { (name) } }
     };
     let body = html! {
@@ -73,6 +73,7 @@ fn table(view: &View<'_>, case: &Case<'_>) -> Markup {
             }
         }
     };
-    let caption = "Median times of one frame. History: bytes of the two pictures that it takes beside the map.";
+    let caption = "Median times of a full picture, of a frame and of its passes; relative RMSE at rest and on the pan; \
+        bytes of the two pictures that are remembered.";
     parts::table(view, caption, "small", head, body)
 }
