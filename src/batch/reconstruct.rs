@@ -56,9 +56,18 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
             f64::from(frame) / f64::from(Track::FRAMES),
         )?;
         let scene = Track::Pan.scene(&matrix.scene, matrix.image, frame);
-        let view = task.backend.view(&scene, matrix.image)?;
-        for case in &mut cases {
-            passes_s += run_case(task, &view, frame == 0, case)?;
+        match task.backend.view(&scene, matrix.image) {
+            Ok(view) => {
+                for case in &mut cases {
+                    passes_s += run_case(task, &view, frame == 0, case)?;
+                }
+            }
+            Err(error) if error.concerns_one_cell() => {
+                for case in &mut cases {
+                    case.errors = Err(error.to_string());
+                }
+            }
+            Err(error) => return Err(error),
         }
     }
     for case in cases {

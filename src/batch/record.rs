@@ -39,7 +39,8 @@ pub struct Report {
 pub struct WallClock {
     /// From start to report.
     pub total_s: f64,
-    /// Passes on the device: timed runs, discarded runs, truths, counting, floor and flicker renders, view-step checks.
+    /// Passes on the device: timed runs, discarded runs, truths, counting, floor, flicker and ghosting renders,
+    /// view-step checks.
     pub passes_s: f64,
     /// Shader composition and pipeline compilation.
     pub compile_s: f64,

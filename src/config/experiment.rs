@@ -14,8 +14,7 @@
 //! `"decompose": true` is optional too: each cell's error is split into model, sampling and precision with f64 pictures
 //! that the oracle renders after the timed rounds.
 //!
-//! `reconstruct` is `"full"` where it is absent; `"temporal_2x2"` marches a quarter of the pixels a frame
-//! ([`Reconstruct`]).
+//! `reconstruct`, absent = `"full"`: how pictures come about ([`Reconstruct`]).
 //!
 //! Every other value that can vary is one value or a list; lists multiply. A value that is itself an array
 //! (a position) is varied by a list of arrays.
@@ -58,7 +57,7 @@ pub struct Experiment {
     pub scenes: Vec<SceneEntry>,
     /// Method settings in file order; checked against the catalogue by [`super::expand`]. Never empty.
     pub methods: Vec<MethodEntry>,
-    /// How pictures come about, the fastest axis of the matrix: `full` where the file says nothing. Never empty.
+    /// How pictures come about, the fastest axis of the matrix. Never empty.
     pub reconstruct: Vec<Reconstruct>,
     document: Document,
 }

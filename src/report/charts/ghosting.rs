@@ -51,7 +51,11 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
             (Key::Line(l.style, l.pattern), label)
         };
         let top = legend(canvas, top, &lines.iter().map(key).collect::<Vec<_>>())?;
-        let last = lines.iter().map(|l| l.curve.len() - 1).max().unwrap_or(0);
+        let last = lines
+            .iter()
+            .map(|l| l.curve.len().saturating_sub(1))
+            .max()
+            .unwrap_or(0);
         let x = Axis::from_zero("frame (0: at rest)", [last as f64].into_iter());
         let y = Axis::from_zero(
             "relative RMSE against the full render",
