@@ -154,6 +154,8 @@ fn every_method_composes_in_every_surrounding() {
             &["COUNT"],
             &["SKY", "AMBIENT"],
             &["INTEGRATION_THESIS"],
+            &["TEMPORAL_2X2"],
+            &["TEMPORAL_2X2", "COUNT", "SKY", "AMBIENT"],
         ] {
             compose_all(&setup, &fields()[0], &flags(extra), false);
         }

@@ -6,8 +6,10 @@
 //! maps are those that a device would allocate.
 
 mod prepared;
+mod temporal;
 
 pub use prepared::Prepared;
+pub use temporal::{History, history_bytes};
 
 use crate::error::Result;
 use crate::frame::Frame;

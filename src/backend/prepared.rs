@@ -1,5 +1,6 @@
 //! A method made ready in a view, on either backend.
 
+use super::temporal::Temporal;
 use super::{Backend, View, ViewKind};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -30,6 +31,7 @@ enum Kind<'v> {
         /// What the last run made.
         made: RefCell<Option<(Frame, Counts)>>,
     },
+    Temporal(Temporal<'v>),
 }
 
 /// A view was handed to a backend that did not make it.
@@ -69,9 +71,18 @@ impl<'v> Prepared<'v> {
         })
     }
 
-    /// Renders once. On the oracle the map is marched anew, and only the wall time is known.
+    pub(super) fn temporal(memory: Memory, setup: &MethodSetup, temporal: Temporal<'v>) -> Self {
+        Self {
+            memory,
+            setup: setup.clone(),
+            kind: Kind::Temporal(temporal),
+        }
+    }
+
+    /// Renders once, or the next frame of a sequence. On the oracle the map is marched anew, and only the wall time is known.
     pub fn run(&self, progress: Progress) -> Result<PassTimes> {
         match &self.kind {
+            Kind::Temporal(temporal) => temporal.run(&self.setup, progress),
             Kind::Device {
                 renderer, prepared, ..
             } => prepared.run(&renderer.gpu, progress),
@@ -91,6 +102,7 @@ impl<'v> Prepared<'v> {
     /// The picture of the last run. A device keeps one for each view: ask before another method runs there.
     pub fn picture(&self) -> Result<Frame> {
         match &self.kind {
+            Kind::Temporal(temporal) => temporal.picture(),
             Kind::Device { renderer, view, .. } => view.read(&renderer.gpu),
             Kind::Oracle { made, .. } => match &*made.borrow() {
                 Some((frame, _)) => Ok(frame.clone()),
@@ -99,20 +111,22 @@ impl<'v> Prepared<'v> {
         }
     }
 
-    /// The light map of the last run; `None` for a method without one, and on the oracle, which keeps none.
+    /// The light map of the last run; `None` for a method without one, for frames of a sequence, and on the oracle, which
+    /// keeps none.
     pub fn map_texels(&self) -> Result<Option<MapTexels>> {
         match &self.kind {
             Kind::Device {
                 renderer, prepared, ..
             } => prepared.map_texels(&renderer.gpu),
-            Kind::Oracle { .. } => Ok(None),
+            Kind::Temporal(_) | Kind::Oracle { .. } => Ok(None),
         }
     }
 
-    /// Counts of one picture, and the seconds that counting took: a pass of its own on a device, nothing on the oracle,
+    /// Counts of one picture, or of one frame of a sequence, and the seconds that counting took: a pass of its own on a device, nothing on the oracle,
     /// which counts as it renders.
     pub fn counts(&self, progress: Progress) -> Result<(Counts, f64)> {
         match &self.kind {
+            Kind::Temporal(temporal) => temporal.counts(&self.setup, progress),
             Kind::Device { renderer, view, .. } => {
                 let counting = renderer.prepare_counting(view, &self.setup)?;
                 let times = counting.run(&renderer.gpu, progress)?;
@@ -126,7 +140,7 @@ impl<'v> Prepared<'v> {
     }
 }
 
-fn unrendered() -> Error {
+pub(super) fn unrendered() -> Error {
     Error::input(
         "backend",
         "a picture was asked for before it was rendered",

@@ -9,8 +9,8 @@ use super::decompose::{Decomposer, Parts};
 use super::pictures::{write_compared, write_parts, write_picture};
 use super::record::{Cell, Measured, Reference};
 use super::view_steps::view_step_error;
-use super::{Event, Observer, Task, flicker, stage, tell};
-use crate::backend::{Prepared, View};
+use super::{Event, Observer, Task, flicker, reconstruct, stage, tell};
+use crate::backend::{Prepared, View, history_bytes};
 use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -175,7 +175,9 @@ impl<'a> Bench<'a> {
             taken += 1;
             match self.prepare(spec) {
                 Ok(run) => {
-                    bytes += run.prepared.memory.map_bytes + frame_bytes(self.matrix.image);
+                    let image = self.matrix.image;
+                    bytes += run.prepared.memory.map_bytes + frame_bytes(image);
+                    bytes += history_bytes(spec.reconstruct, image);
                     runs.push(run);
                 }
                 Err(error) => record_failure(self.task, self.matrix, spec, &error, observe)?,
@@ -200,7 +202,8 @@ impl<'a> Bench<'a> {
 
     fn prepare(&self, spec: &'a CellSpec) -> Result<Run<'a>> {
         let setup = setup(spec)?;
-        let prepared = self.task.backend.prepare(self.view, &setup)?;
+        let backend = self.task.backend;
+        let prepared = backend.prepare_as(self.view, &setup, spec.reconstruct)?;
         Ok(Run {
             spec,
             setup,
@@ -227,6 +230,9 @@ impl<'a> Bench<'a> {
                     &format!("round {}/{rounds}", round + 1),
                     share,
                 )?;
+                if round == 0 {
+                    self.passes_s += reconstruct::fill(&run.prepared, run.spec.reconstruct)?;
+                }
                 let times = run.prepared.run(&mut unwatched)?;
                 self.passes_s += times.wall * 1e-3;
                 if round == 0 {
@@ -276,6 +282,7 @@ impl<'a> Bench<'a> {
             samples: counts.samples,
             error,
             decomposition,
+            reconstruction: None,
             notes,
             files,
         };

@@ -14,9 +14,18 @@ pub(super) fn view_id(view: &MatrixView) -> String {
     digest(&json!([view.scene, view.image]))
 }
 
-/// Names a cell: hash of scene, image, method and parameters.
+/// Names a cell: hash of scene, image, method and parameters, and of how its pictures come about where that is not `full`.
 pub(super) fn cell_id(view: &MatrixView, spec: &CellSpec) -> String {
-    digest(&json!([view.scene, view.image, spec.method, spec.params]))
+    let mut all = vec![
+        json!(view.scene),
+        json!(view.image),
+        json!(spec.method),
+        json!(spec.params),
+    ];
+    if !spec.reconstruct.is_full() {
+        all.push(json!(spec.reconstruct));
+    }
+    digest(&Value::Array(all))
 }
 
 fn digest(value: &Value) -> String {
@@ -39,6 +48,7 @@ pub(super) fn times(runs: &[PassTimes]) -> Times {
     Times {
         generate: stats(|t| t.generate),
         march: stats(|t| t.march),
+        reconstruct: stats(|t| t.reconstruct),
         total: stats(PassTimes::total),
         wall: stats(|t| Some(t.wall)),
     }
@@ -59,6 +69,7 @@ pub(super) fn bare_cell(task: &Task, view: &MatrixView, spec: &CellSpec) -> Cell
             .iter()
             .map(|(k, v)| (k.to_owned(), json!(v)))
             .collect(),
+        reconstruct: spec.reconstruct,
         backend: format!("{} {}", environment.backend, environment.device_type),
         image: view.image,
         failed: None,

@@ -1,5 +1,7 @@
 //! Flicker of the recorded cells of one view: every frame of a movement against that frame's own truth.
 //!
+//! Every pixel is marched, whatever a cell's `reconstruct` says: what that adds is ghosting, see [`super::reconstruct`].
+//!
 //! Runs after the timed rounds. A cell's number joins its record when the movement is over, so that a killed run has
 //! lost no cell; the truths of the frames it has seen are in the cache.
 

@@ -6,6 +6,7 @@ mod cell;
 mod decompose;
 mod flicker;
 mod pictures;
+mod reconstruct;
 pub mod record;
 mod store;
 mod view_steps;
@@ -124,9 +125,11 @@ pub fn run(
     assemble(&matrix, &store)
 }
 
-/// Timed rounds, then flicker; returns the seconds spent in passes.
+/// Timed rounds, then flicker and ghosting; returns the seconds spent in passes.
 fn run_view(task: &Task, view: &MatrixView, observe: Observer) -> Result<f64> {
-    Ok(block::run_view(task, view, observe)? + flicker::run_view(task, view, observe)?)
+    let timed_s = block::run_view(task, view, observe)?;
+    let flicker_s = flicker::run_view(task, view, observe)?;
+    Ok(timed_s + flicker_s + reconstruct::run_view(task, view, observe)?)
 }
 
 /// The report of a folder from its records alone.

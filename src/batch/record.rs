@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Environment;
 use crate::metrics::{ErrorNumbers, Stats};
 use crate::raymarch::{Memory, Samples};
-use crate::scene::{ImageSize, Track};
+use crate::scene::{ImageSize, Reconstruct, Track};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -39,7 +39,8 @@ pub struct Report {
 pub struct WallClock {
     /// From start to report.
     pub total_s: f64,
-    /// Passes on the device: timed runs, discarded runs, truths, counting, floor and flicker renders, view-step checks.
+    /// Passes on the device: timed runs, discarded runs, truths, counting, floor, flicker and ghosting renders,
+    /// view-step checks.
     pub passes_s: f64,
     /// Shader composition and pipeline compilation.
     pub compile_s: f64,
@@ -113,6 +114,10 @@ pub struct Cell {
     pub method: String,
     /// Every parameter of the method, defaults included.
     pub params: Map<String, Value>,
+    /// How its pictures come about; absent = `full`. The picture of a temporal cell is that of a camera at rest, after
+    /// four frames; its times and samples are those of one frame.
+    #[serde(default, skip_serializing_if = "Reconstruct::is_full")]
+    pub reconstruct: Reconstruct,
     /// Backend and adapter type that produced the times.
     pub backend: String,
     /// Image size.
@@ -149,6 +154,9 @@ pub struct Measured {
     /// The error's three parts, where the experiment asks for them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub decomposition: Option<Decomposition>,
+    /// What temporal integration costs the picture; absent for `full`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reconstruction: Option<Reconstruction>,
     /// Numbers that were asked for and could not be had, and why; such a number is `null` and is not tried again.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -182,6 +190,21 @@ pub struct Decomposition {
     pub noise_filter: Option<String>,
 }
 
+/// Errors of temporal integration alone: relative RMSE of the sun-lit radiance over cloud pixels, as `rel_rmse`, but
+/// against the full render of the same frame by the same method.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Reconstruction {
+    /// Of a camera at rest, after four frames.
+    pub full_rel_rmse: f64,
+    /// Of each frame of a pan ([`Track::Pan`]); the first is the one at rest.
+    pub ghosting_rel_rmse: Vec<f64>,
+    /// Turn of the camera from one frame to the next, degrees: one pixel at the picture's centre.
+    pub pan_step_deg: f64,
+    /// Bytes of the pictures that it remembers.
+    pub history_bytes: u64,
+}
+
 /// Statistics of each pass over the repeats; `null` where the adapter has no timestamps ("n/a", never 0).
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -190,6 +213,9 @@ pub struct Times {
     pub generate: Option<Stats>,
     /// The view march.
     pub march: Option<Stats>,
+    /// The pass that adds what was not marched; absent where every pixel is marched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reconstruct: Option<Stats>,
     /// Sum of the passes.
     pub total: Option<Stats>,
     /// Submission to completion, seen from the CPU.

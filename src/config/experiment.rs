@@ -14,6 +14,8 @@
 //! `"decompose": true` is optional too: each cell's error is split into model, sampling and precision with f64 pictures
 //! that the oracle renders after the timed rounds.
 //!
+//! `reconstruct`, absent = `"full"`: how pictures come about ([`Reconstruct`]).
+//!
 //! A scene is a path relative to the experiment file, or a whole scene written in its place.
 //!
 //! Every other value that can vary is one value or a list; lists multiply. A value that is itself an array
@@ -23,8 +25,8 @@ use super::document::{Document, MAX_FILE_BYTES};
 use super::locate;
 use super::matrix::MAX_CELLS;
 use crate::error::Result;
-use crate::scene::{ImageSize, Track, check_name};
-use serde::Deserialize;
+use crate::scene::{ImageSize, Reconstruct, Track, check_name};
+use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
 use std::path::Path;
 
@@ -58,6 +60,8 @@ pub struct Experiment {
     pub scenes: Vec<SceneEntry>,
     /// Method settings in file order; checked against the catalogue by [`super::expand`]. Never empty.
     pub methods: Vec<MethodEntry>,
+    /// How pictures come about, the fastest axis of the matrix. Never empty.
+    pub reconstruct: Vec<Reconstruct>,
     document: Document,
 }
 
@@ -118,6 +122,8 @@ struct File {
     view_steps: Option<Value>,
     #[serde(rename = "methods")]
     _methods: Value,
+    #[serde(default)]
+    reconstruct: Option<Value>,
 }
 
 #[derive(Deserialize)]
@@ -180,7 +186,11 @@ fn from_document(document: Document) -> Result<Experiment> {
         discard: file.discard,
         flicker: match file.flicker {
             None => Vec::new(),
-            Some(_) => flicker(&document)?,
+            Some(_) => distinct(&document, "/flicker")?,
+        },
+        reconstruct: match file.reconstruct {
+            None => vec![Reconstruct::Full],
+            Some(_) => distinct(&document, "/reconstruct")?,
         },
         document,
     })
@@ -249,16 +259,17 @@ fn scenes(
     Ok(scenes)
 }
 
-fn flicker(document: &Document) -> Result<Vec<Track>> {
-    let mut tracks = Vec::new();
-    for (place, _) in document.one_or_many("/flicker")? {
-        let track = document.get(&place)?;
-        if tracks.contains(&track) {
-            return Err(document.error(&place, "it is listed twice", "Name each movement once."));
+/// One of a few words, or a list without repeats.
+fn distinct<T: DeserializeOwned + PartialEq>(document: &Document, pointer: &str) -> Result<Vec<T>> {
+    let mut words = Vec::new();
+    for (place, _) in document.one_or_many(pointer)? {
+        let word = document.get(&place)?;
+        if words.contains(&word) {
+            return Err(document.error(&place, "it is listed twice", "Name each of them once."));
         }
-        tracks.push(track);
+        words.push(word);
     }
-    Ok(tracks)
+    Ok(words)
 }
 
 fn shorthands(document: &Document, file: &File) -> Result<Vec<Axis>> {

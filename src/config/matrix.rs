@@ -1,7 +1,7 @@
 //! The matrix: every combination an experiment asks for, as views (what is looked at) and cells (how it is shadowed).
 //!
 //! Order, slowest first: scenes as listed; members of `set` as listed; `sun_elevation_deg`; `view_steps`; `image`;
-//! methods as listed; their parameters as listed. The index of a cell counts in that order from 0.
+//! methods as listed; their parameters as listed; `reconstruct`. The index of a cell counts in that order from 0.
 
 use super::document::Fault;
 use super::experiment::{Axis, Experiment, STEPS_POINTER, SceneEntry};
@@ -10,8 +10,7 @@ use super::methods::{self, MethodAxes, MethodCatalogue};
 use super::scene_of;
 use crate::error::{Error, Result};
 use crate::occlusion::param::Params;
-use crate::scene::ImageSize;
-use crate::scene::Scene;
+use crate::scene::{ImageSize, Reconstruct, Scene};
 use serde_json::{Map, Value};
 use std::collections::HashSet;
 
@@ -49,6 +48,8 @@ pub struct CellSpec {
     pub method: String,
     /// Every parameter of the method, defaults included.
     pub params: Params,
+    /// How its pictures come about.
+    pub reconstruct: Reconstruct,
 }
 
 impl Matrix {
@@ -82,13 +83,17 @@ pub fn expand(experiment: &Experiment, catalogue: &dyn MethodCatalogue) -> Resul
                     ));
                     continue;
                 }
-                let first = matrix.views.len() * settings.len();
-                let cells = settings.iter().enumerate();
-                let cells = cells
-                    .map(|(i, (method, params))| CellSpec {
-                        index: first + i,
-                        method: method.clone(),
-                        params: params.clone(),
+                let each = experiment.reconstruct.len();
+                let first = matrix.views.len() * settings.len() * each;
+                let cells = (0..settings.len() * each)
+                    .map(|i| {
+                        let (method, params) = settings[i / each].clone();
+                        CellSpec {
+                            index: first + i,
+                            method,
+                            params,
+                            reconstruct: experiment.reconstruct[i % each],
+                        }
                     })
                     .collect();
                 matrix.views.push(View {
@@ -115,7 +120,8 @@ fn check_size(experiment: &Experiment, methods: &[MethodAxes]) -> Result<()> {
         .fold(0_usize, |n, entry| n.saturating_add(count(&entry.axes)));
     let settings = methods
         .iter()
-        .fold(0_usize, |n, method| n.saturating_add(method.count()));
+        .fold(0_usize, |n, method| n.saturating_add(method.count()))
+        .saturating_mul(experiment.reconstruct.len());
     let cells = scenes
         .saturating_mul(experiment.images.len())
         .saturating_mul(settings);
@@ -300,6 +306,14 @@ fn params_text(params: &Params) -> String {
         .join(" ")
 }
 
+/// The parameters, and how pictures come about where a frame is not the whole of it.
+fn cell_text(cell: &CellSpec) -> String {
+    match cell.reconstruct {
+        Reconstruct::Full => params_text(&cell.params),
+        other => format!("{} reconstruct={}", params_text(&cell.params), other.name()),
+    }
+}
+
 fn set_text(set: &Map<String, Value>) -> String {
     set.iter()
         .map(|(pointer, value)| format!("{pointer}={value}"))
@@ -328,7 +342,7 @@ pub fn describe(matrix: &Matrix) -> String {
                 format!("{}°", view.scene.sun.elevation_deg),
                 format!("{}×{}", view.image.width, view.image.height),
                 cell.method.clone(),
-                params_text(&cell.params),
+                cell_text(cell),
                 set_text(&view.scene_set),
             ]);
         }

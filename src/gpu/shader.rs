@@ -57,6 +57,7 @@ const FILES: &[(&str, &str)] = shaders![
     "noise/columns.wgsl",
     "generate.wgsl",
     "raymarch.wgsl",
+    "temporal.wgsl",
 ];
 
 /// The text of every shader file, by its path below `shaders/`.

@@ -16,8 +16,16 @@ use std::ops::ControlFlow;
 /// Rows between two calls of a watcher, for each thread.
 const ROWS_A_THREAD: usize = 4;
 
-/// Radiance and opacity; sunlight and mean V.
-type Pixel = ([f32; 4], [f32; 4]);
+/// What a view ray shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pixel {
+    /// Radiance and opacity.
+    pub radiance: [f32; 4],
+    /// Sunlight and mean V.
+    pub sun: [f32; 4],
+    /// 1/mean depth along the optical axis, weighted as light, m⁻¹; 0 where there is no medium.
+    pub nearness: f32,
+}
 
 /// Light gathered along one view ray, in units of its sources.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,6 +34,8 @@ struct Gathered {
     lit: f64,
     /// Σ weight.
     weights: f64,
+    /// Σ weight·point, metres.
+    points_m: DVec3,
     /// Σ weight·ambient, RGB.
     ambient: DVec3,
     /// What is left of the background.
@@ -65,6 +75,14 @@ impl Oracle {
             direction,
             (0.0, far_m),
         )
+    }
+
+    fn nearness(&self, gathered: &Gathered) -> f64 {
+        let camera = &self.scene.camera;
+        let (_, _, forward) = camera.basis();
+        let mean_m = gathered.points_m / gathered.weights;
+        let depth_m = forward.dot(mean_m - DVec3::from(camera.position_m));
+        if depth_m > 0.0 { 1.0 / depth_m } else { 0.0 }
     }
 
     fn phase(&self, cosine: f64) -> f64 {
@@ -126,8 +144,8 @@ impl Occlusion<'_> {
             for (pixels, tally) in rows {
                 frame
                     .radiance
-                    .extend(pixels.iter().map(|(radiance, _)| *radiance));
-                frame.sun.extend(pixels.iter().map(|(_, sun)| *sun));
+                    .extend(pixels.iter().map(|pixel| pixel.radiance));
+                frame.sun.extend(pixels.iter().map(|pixel| pixel.sun));
                 add(&mut counts, &tally);
             }
             if progress(f64::from(last) / f64::from(height)) == ControlFlow::Break(()) {
@@ -146,7 +164,7 @@ impl Occlusion<'_> {
         (pixels, tally.counts())
     }
 
-    fn pixel(&self, column: u32, row: u32, tally: &Tally) -> Pixel {
+    pub(super) fn pixel(&self, column: u32, row: u32, tally: &Tally) -> Pixel {
         let oracle = self.oracle;
         let medium = &oracle.scene.medium;
         let direction = oracle.direction(column, row);
@@ -163,10 +181,11 @@ impl Occlusion<'_> {
             0.0
         };
         let pack = |rgb: DVec3, a: f64| rgb.extend(a).as_vec4().to_array();
-        (
-            pack(radiance, 1.0 - gathered.transmittance),
-            pack(sun, mean),
-        )
+        Pixel {
+            radiance: pack(radiance, 1.0 - gathered.transmittance),
+            sun: pack(sun, mean),
+            nearness: oracle.nearness(&gathered) as f32,
+        }
     }
 
     fn gather(&self, direction: DVec3, noise: f64, tally: &Tally) -> Gathered {
@@ -202,6 +221,7 @@ impl Occlusion<'_> {
             let rnd = (noise + 0.618_034 * (f64::from(k) + 1.0)).fract();
             sum.lit += weight * self.counted(p, rnd, tally);
             sum.weights += weight;
+            sum.points_m += weight * p;
             sum.ambient += weight * oracle.ambient_radiance(p);
             sum.transmittance *= (-thickness).exp();
             // Nothing behind this can change an f64 sum.
@@ -213,7 +233,7 @@ impl Occlusion<'_> {
     }
 }
 
-fn add(sum: &mut Counts, more: &Counts) {
+pub(super) fn add(sum: &mut Counts, more: &Counts) {
     let Samples { view, light, .. } = more.samples;
     sum.samples.view += view;
     sum.samples.light += light;

@@ -25,11 +25,13 @@ mod noise;
 mod probe;
 mod procedural;
 mod reference;
+mod temporal;
 mod texture;
 mod way;
 
 pub use light::{Occlusion, Options};
 pub use reference::truth;
+pub use temporal::History;
 pub use texture::Filter;
 
 use crate::error::{Error, Result};

@@ -10,6 +10,8 @@ pub struct PassTimes {
     pub generate: Option<f64>,
     /// The view march, all tiles.
     pub march: Option<f64>,
+    /// What temporal integration adds to the pixels it marched; `None` where every pixel is marched.
+    pub reconstruct: Option<f64>,
     /// Submission to completion, seen from the CPU.
     pub wall: f64,
 }
@@ -17,7 +19,8 @@ pub struct PassTimes {
 impl PassTimes {
     /// Sum of the passes.
     pub fn total(&self) -> Option<f64> {
-        self.march.map(|march| march + self.generate.unwrap_or(0.0))
+        let others = [self.generate, self.reconstruct].into_iter().flatten();
+        self.march.map(|march| march + others.sum::<f64>())
     }
 }
 

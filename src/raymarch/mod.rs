@@ -7,6 +7,7 @@ mod map_pass;
 mod map_texels;
 mod prepared;
 pub mod reference;
+mod temporal;
 mod tiles;
 mod view;
 
@@ -14,6 +15,8 @@ pub use cost::{Counts, Memory, PassTimes, Samples};
 pub use light_map::planned_memory;
 pub use map_texels::MapTexels;
 pub use prepared::Prepared;
+pub(crate) use temporal::check_size;
+pub use temporal::{History, Temporal, history_bytes};
 pub use tiles::BATCH_TILE_MS;
 pub use view::View;
 
@@ -128,11 +131,27 @@ impl Renderer {
 
     /// Compiles and allocates what a method needs in a view.
     pub fn prepare(&self, view: &View, setup: &MethodSetup) -> Result<Prepared> {
-        Prepared::new(self, view, setup, false)
+        Prepared::new(self, view, setup, false, &[])
     }
 
     /// The same with counters instead of a clock.
     pub fn prepare_counting(&self, view: &View, setup: &MethodSetup) -> Result<Prepared> {
-        Prepared::new(self, view, setup, true)
+        Prepared::new(self, view, setup, true, &[])
+    }
+
+    /// The same as [`Renderer::prepare`] for frames that march a quarter of the pixels and remember the others.
+    pub fn prepare_temporal(
+        &self,
+        view: &View,
+        setup: &MethodSetup,
+        history: &Rc<History>,
+    ) -> Result<Temporal> {
+        Temporal::new(self, view, setup, history, false)
+    }
+
+    /// The same with counters: of the first frame alone.
+    pub fn prepare_temporal_counting(&self, view: &View, setup: &MethodSetup) -> Result<Temporal> {
+        let history = History::new(&self.gpu, view.image)?;
+        Temporal::new(self, view, setup, &history, true)
     }
 }

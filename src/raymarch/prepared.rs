@@ -21,9 +21,11 @@ pub struct Prepared {
     pub memory: Memory,
     map: Option<MapPass>,
     march: Rc<Kernel>,
-    groups: Vec<wgpu::BindGroup>,
+    /// One for each place that the march may write to.
+    groups: Vec<Vec<wgpu::BindGroup>>,
     tiles: Tiles,
-    timer: Option<Timer>,
+    pub(super) timer: Option<Timer>,
+    /// Threads of the march: pixels, or 2 × 2 blocks of them.
     image: [u32; 2],
     view_steps: u32,
     steps_a_dispatch: u32,
@@ -31,11 +33,14 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// `quarters`: empty to march every pixel into the view's own picture; else the places where one pixel of every 2 × 2
+    /// block is marched to, see [`super::temporal`].
     pub(super) fn new(
         renderer: &Renderer,
         view: &View,
         setup: &MethodSetup,
         counting: bool,
+        quarters: &[Inputs],
     ) -> Result<Self> {
         let gpu = &renderer.gpu;
         let plan = setup.method.plan(&setup.params)?;
@@ -70,6 +75,9 @@ impl Prepared {
             .allocated_bytes()
             .zip(before)
             .map(|(now, before)| now.saturating_sub(before));
+        if !quarters.is_empty() {
+            defs.insert("TEMPORAL_2X2".into(), None);
+        }
         let march = renderer.kernel(&Program {
             entry: "raymarch.wgsl",
             roles: view.roles(info.shader),
@@ -81,7 +89,11 @@ impl Prepared {
         offer_counts(&mut inputs, march_counts.as_ref());
         let threads = f64::from(image[0]) * f64::from(FIRST_TILE_ROWS);
         let tiles = Tiles::new(gpu, &mut inputs, renderer.tile_ms, threads);
-        let groups = march.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
+        let bind = |into| march.bind(gpu, &[into, &inputs, &view.inputs, &view.density.inputs]);
+        let groups = match quarters {
+            [] => vec![bind(&Inputs::default())?],
+            places => places.iter().map(bind).collect::<Result<_>>()?,
+        };
         Ok(Self {
             memory,
             map,
@@ -89,7 +101,10 @@ impl Prepared {
             groups,
             tiles,
             timer: Timer::new(gpu),
-            image,
+            image: match quarters {
+                [] => image,
+                _ => image.map(|side| side.div_ceil(2)),
+            },
             view_steps: view.scene.march.most_steps(),
             steps_a_dispatch: steps_a_dispatch(gpu, view, setup)?,
             march_counts,
@@ -98,6 +113,16 @@ impl Prepared {
 
     /// Renders once, tile by tile; `progress` hears the share of the view march.
     pub fn run(&self, gpu: &Gpu, progress: Progress) -> Result<PassTimes> {
+        self.run_into(gpu, 0, progress)
+    }
+
+    /// The same into one of the places given to [`Prepared::new`].
+    pub(super) fn run_into(
+        &self,
+        gpu: &Gpu,
+        place: usize,
+        progress: Progress,
+    ) -> Result<PassTimes> {
         let start = Instant::now();
         let timer = self.timer.as_ref();
         let generate = match &self.map {
@@ -106,7 +131,7 @@ impl Prepared {
         };
         let pass = Pass {
             kernel: &self.march,
-            groups: &self.groups,
+            groups: &self.groups[place],
             timer,
             size: self.image,
             steps: [self.view_steps, self.steps_a_dispatch],
@@ -114,6 +139,7 @@ impl Prepared {
         Ok(PassTimes {
             generate,
             march: self.tiles.run(gpu, &pass, progress)?,
+            reconstruct: None,
             wall: start.elapsed().as_secs_f64() * 1e3,
         })
     }

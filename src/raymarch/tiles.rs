@@ -103,24 +103,40 @@ impl Tiles {
         let values = [x, y, width, height, from, to];
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        {
-            let timestamp_writes = pass.timer.map(Timer::writes);
-            let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: None,
-                timestamp_writes,
-            });
-            pass.kernel
-                .dispatch(&mut compute, pass.groups, [width, height, 1]);
-        }
-        if let Some(timer) = pass.timer {
-            timer.resolve(&mut encoder);
-        }
-        gpu.queue.submit([encoder.finish()]);
-        match pass.timer {
-            Some(timer) => timer.elapsed_ms(gpu).map(Some),
-            None => gpu.wait().map(|()| None),
-        }
+        dispatch(
+            gpu,
+            pass.timer,
+            pass.kernel,
+            pass.groups,
+            [width, height, 1],
+        )
+    }
+}
+
+/// One dispatch over `threads`, waited for; its GPU time, ms, where there is a timer.
+pub(super) fn dispatch(
+    gpu: &Gpu,
+    timer: Option<&Timer>,
+    kernel: &Kernel,
+    groups: &[wgpu::BindGroup],
+    threads: [u32; 3],
+) -> Result<Option<f64>> {
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let timestamp_writes = timer.map(Timer::writes);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: None,
+            timestamp_writes,
+        });
+        kernel.dispatch(&mut pass, groups, threads);
+    }
+    if let Some(timer) = timer {
+        timer.resolve(&mut encoder);
+    }
+    gpu.queue.submit([encoder.finish()]);
+    match timer {
+        Some(timer) => timer.elapsed_ms(gpu).map(Some),
+        None => gpu.wait().map(|()| None),
     }
 }
 

@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// The table as text. Columns: the cell's key, `params.*` and `scene_set.*` as the union over all cells, `failed`, the
-/// measurements, `files.*`. A value that a cell does not have is empty.
+/// measurements, those of temporal integration where a cell has them, `files.*`. A value that a cell does not have is empty.
 pub fn cells(report: &Report) -> Result<String> {
     let rows: Vec<BTreeMap<String, String>> = report.cells.iter().map(row).collect();
     let columns = columns(&rows);
@@ -80,8 +80,15 @@ fn columns(rows: &[BTreeMap<String, String>]) -> Vec<String> {
     out.extend(union("scene_set."));
     out.extend(named(&["sun_elevation_deg", "method"]));
     out.extend(union("params."));
+    out.extend(
+        union("reconstruct")
+            .into_iter()
+            .filter(|name| name == "reconstruct"),
+    );
     out.extend(named(&["backend", "image.width", "image.height", "failed"]));
     out.extend(measurements());
+    out.extend(union("time_ms.reconstruct."));
+    out.extend(union("reconstruction."));
     out.extend(union("files."));
     out
 }
@@ -100,6 +107,7 @@ fn measurements() -> Vec<String> {
         time_ms: Times {
             generate: stats,
             march: stats,
+            reconstruct: None,
             total: stats,
             wall: stats,
         },
@@ -118,6 +126,7 @@ fn measurements() -> Vec<String> {
             noise_filter: Some(String::new()),
             ..Decomposition::default()
         }),
+        reconstruction: None,
         notes: Vec::new(),
         files: Map::new(),
     };

@@ -177,6 +177,7 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
         sun_elevation_deg: sun,
         method: (*method).into(),
         params: map(params.clone()),
+        reconstruct: Default::default(),
         backend: "Vulkan (Cpu)".into(),
         image: IMAGE,
         failed: None,
@@ -196,6 +197,7 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
             time_ms: Times {
                 generate: (*values > 0).then(|| time(*generate)),
                 march: Some(time(*march)),
+                reconstruct: None,
                 total: Some(time(generate + march)),
                 wall: Some(time(generate + march + 1.7)),
             },
@@ -216,6 +218,7 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
                 ample_resolution: (*values > 0).then_some(2 * texels.isqrt() as u32),
                 noise_filter: Some("8 bit".into()),
             }),
+            reconstruction: None,
             notes: Vec::new(),
             files: map(json!({
                 "png": format!("images/cell-{index}.png"), "diff_png": format!("images/cell-{index}-diff.png"),

@@ -22,6 +22,7 @@ pub(crate) mod format;
 mod page;
 mod pareto;
 mod records;
+mod shown;
 mod stability;
 pub(crate) mod style;
 mod view;
@@ -41,7 +42,7 @@ pub use stability::write as write_stability;
 pub use style::{Marker, Style};
 
 /// First words of the file names that mark the files in `charts/` as the report's own.
-const FIGURES: [&str; 7] = [
+const FIGURES: [&str; 8] = [
     "error-time",
     "error-bytes",
     "error-steps",
@@ -49,6 +50,7 @@ const FIGURES: [&str; 7] = [
     "memory",
     "methods",
     "three-errors",
+    "ghosting",
 ];
 
 /// Writes `report.json`, `cells.csv`, `charts/*.svg`, the contact sheets `charts/methods-*.png` and `index.html` into
@@ -61,7 +63,8 @@ pub fn write(folder: &Path, report: &Report) -> Result<PathBuf> {
     let json = folder.join("report.json");
     files::write(&json, records::text(&report, &json)?.as_bytes())?;
     files::write(&folder.join("cells.csv"), csv::cells(&report)?.as_bytes())?;
-    let view = view::View::new(&report);
+    let shown = shown::shown(&report);
+    let view = view::View::new(&shown);
     let charts = charts::all(&view)?;
     let sheets = contact::all(folder, &view)?;
     let figures = charts

@@ -9,6 +9,7 @@ mod geometry;
 mod light;
 mod march;
 mod preetham;
+mod reconstruct;
 mod track;
 
 pub use camera::{Camera, ImageSize};
@@ -18,6 +19,7 @@ pub use geometry::Intervals;
 pub use light::{Ambient, Lobe, Medium, Sky, Sun};
 pub use march::{Integration, March};
 pub use preetham::{PerezSky, SkyModel};
+pub use reconstruct::Reconstruct;
 pub use track::Track;
 
 use crate::error::{Error, Result};

@@ -34,6 +34,15 @@ fn bad_experiment_members_are_located() {
         &error("flicker", "[\"pan\", \"pan\"]"),
         &["(at /flicker/1)", "twice"],
     );
+    has(&error("reconstruct", "[]"), &["(at /reconstruct)", "empty"]);
+    has(
+        &error("reconstruct", "\"temporal_2x\""),
+        &["(at /reconstruct)", "Did you mean `temporal_2x2`?"],
+    );
+    has(
+        &error("reconstruct", "[\"full\", \"full\"]"),
+        &["(at /reconstruct/1)", "twice"],
+    );
     has(&error("image", "[]"), &["(at /image)", "empty"]);
     has(
         &error("image", r#"{"width": 0, "height": 9}"#),

@@ -1,7 +1,44 @@
 use super::*;
 use crate::occlusion::param::ParamValue;
-use crate::scene::ImageSize;
+use crate::scene::{ImageSize, Reconstruct};
 use serde_json::json;
+
+#[test]
+fn reconstruct_is_the_fastest_axis_and_full_where_nothing_is_said() {
+    let folder = Folder::new();
+    let image = json!([{"width": 16, "height": 9}, {"width": 32, "height": 18}]);
+    let expand = |mut members: serde_json::Value| {
+        members["image"] = image.clone();
+        members["methods"] = json!(["none", {"method": "srm", "steps": [6, 10]}]);
+        folder.expand(&with(members)).expect("matrix")
+    };
+    let plain = expand(json!({}));
+    let mut cells = plain.views.iter().flat_map(|v| &v.cells);
+    assert!(cells.all(|c| c.reconstruct == Reconstruct::Full));
+    let both = expand(json!({"reconstruct": ["temporal_2x2", "full"]}));
+    assert_eq!(both.cell_count(), 2 * plain.cell_count());
+    let cells = both.views.iter().flat_map(|v| &v.cells);
+    for (i, (cell, twin)) in cells
+        .zip(
+            plain
+                .views
+                .iter()
+                .flat_map(|v| v.cells.iter().flat_map(|c| [c, c])),
+        )
+        .enumerate()
+    {
+        let kind = [Reconstruct::Temporal2x2, Reconstruct::Full][i % 2];
+        assert_eq!((cell.index, cell.reconstruct), (i, kind));
+        assert_eq!((&cell.method, &cell.params), (&twin.method, &twin.params));
+    }
+    let text = describe(&both);
+    assert_eq!(
+        text.matches("reconstruct=temporal_2x2").count(),
+        6,
+        "{text}"
+    );
+    assert!(!describe(&plain).contains("reconstruct"));
+}
 
 #[test]
 fn lists_multiply_in_the_documented_order() {
@@ -167,6 +204,10 @@ fn the_schema_names_every_method_and_every_reference_resolves() {
     assert_eq!(
         members["flicker"]["anyOf"][0],
         json!({"$ref": "#/$defs/Track"})
+    );
+    assert_eq!(
+        members["reconstruct"]["anyOf"][0],
+        json!({"$ref": "#/$defs/Reconstruct"})
     );
     let srm = &schema["$defs"]["Method"]["anyOf"][2];
     assert_eq!(

@@ -5,6 +5,7 @@ mod bars;
 pub mod canvas;
 mod errors;
 pub mod extremes;
+mod ghosting;
 mod labels;
 mod memory;
 mod plot;
@@ -61,6 +62,7 @@ pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
                 "Three errors of each cell",
                 errors::draw(view, case)?,
             ),
+            ("ghosting", ghosting::TITLE, ghosting::draw(view, case)?),
         ];
         for (kind, what, svg) in drawn {
             out.extend(svg.map(|svg| Chart {

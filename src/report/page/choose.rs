@@ -68,9 +68,14 @@ pub fn section(view: &View<'_>) -> Markup {
         .cases
         .iter()
         .any(|c| c.shots().iter().any(|s| s.time_ms().is_some()));
+    let temporal = view.report.cells.iter().any(|c| !c.reconstruct.is_full());
     html! {
         section #which {
             h2 { "Which method?" }
+            @if temporal {
+                p.notice { "Errors here are those of a camera at rest, where " code { "temporal_2x2" } " loses nothing. What it loses in motion "
+                    "stands under " a href="#temporal" { "Temporal integration" } "." }
+            }
             @if timed {
                 p { "For an error you can accept, the fastest setting that keeps it. " (MEANING) }
             } @else {

@@ -9,6 +9,7 @@ pub(super) mod parts;
 mod pictures;
 mod table;
 mod tail;
+mod temporal;
 
 use super::charts::Chart;
 use super::contact::Sheet;
@@ -38,6 +39,7 @@ pub fn html(folder: &Path, view: &View<'_>, charts: &[Chart], sheets: &[Sheet]) 
                     (choose::section(view))
                     (pictures::section(view, &mut album, sheets))
                     (errors::section(view, &mut album))
+                    (temporal::section(view))
                     (figures::section(view, charts))
                     (table::section(view, &album))
                     (tail::claims(view))
@@ -70,6 +72,8 @@ fn headline(view: &View<'_>, name: &str) -> Markup {
     let suns = distinct(cells.iter().map(|c| c.sun_elevation_deg)).len();
     let mut measured = cells.iter().filter_map(|c| c.result.as_ref());
     let decomposed = measured.any(|m| m.decomposition.is_some());
+    let mut measured = cells.iter().filter_map(|c| c.result.as_ref());
+    let temporal = measured.any(|m| m.reconstruction.is_some());
     html! {
         header {
             p.kicker { "occlab · how clouds shadow themselves" }
@@ -101,10 +105,11 @@ fn headline(view: &View<'_>, name: &str) -> Markup {
             }
             nav {
                 @for (anchor, text) in [
-                    ("which", "Which method?"), ("pictures", "Pictures"), ("errors", "Three errors"), ("charts", "Charts"),
+                    ("which", "Which method?"), ("pictures", "Pictures"), ("errors", "Three errors"), ("temporal", "Temporal integration"),
+                    ("charts", "Charts"),
                     ("cells", "All cells"), ("references", "Truths"), ("environment", "Environment"), ("definitions", "Definitions"),
                 ] {
-                    @if anchor != "errors" || decomposed { a href={ "#" (anchor) } { (text) } }
+                    @if (anchor != "errors" || decomposed) && (anchor != "temporal" || temporal) { a href={ "#" (anchor) } { (text) } }
                 }
             }
         }

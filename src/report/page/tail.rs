@@ -117,6 +117,7 @@ fn times_srm10(view: &View<'_>, reference: &Reference) -> Option<f64> {
             .as_ref()
             .is_some_and(|r| r.reference == reference.id);
         own && cell.method == "srm"
+            && cell.reconstruct.is_full()
             && cell.params.get("steps").and_then(|v| v.as_f64()) == Some(10.0)
     };
     let clock = view.clock();

@@ -1,0 +1,114 @@
+// Temporal integration, second half of a frame: the three pixels of every 2 × 2 block that were not marched take their
+// values from the picture before, reprojected (Schneider & Vos 2015, "The Real-time Volumetric Cloudscapes of Horizon
+// Zero Dawn"; thesis M, 3.1.7).
+//
+//   p' = (H·(i + ½, j + ½, 1) + e·q) / w     where the point at depth 1/q behind pixel (i, j) was, w its third component
+//
+// H turns, e moves the camera (raymarch/temporal.rs). q is the nearness of the block's marched pixel, 0 = infinitely far:
+// the reciprocal of the mean depth along the optical axis, weighted as the march weights light. p' is rounded to 1/256
+// pixel, the 8 bits that Direct3D asks of texture units, so that a camera at rest repeats pixels bit for bit; four neighbours
+// are interpolated. History does not serve
+//   - before there is any, and where p' lies outside the picture or behind the camera;
+//   - where it shows something else: its own nearness at p' would have put this pixel more than one pixel away.
+// There the pixels marched in this frame are interpolated instead.
+// Cost: a dozen loads a pixel, no density samples.
+
+struct Motion {
+    turn_x: vec3f,      // columns of H
+    turn_y: vec3f,
+    turn_w: vec3f,
+    shift: vec3f,       // e
+    size: vec2u,        // of the picture
+    pixel: vec2u,       // of each block, marched in this frame
+    remembers: u32,     // 1: there is a picture before
+}
+
+@group(0) @binding(0) var<uniform> motion: Motion;
+@group(0) @binding(1) var<storage, read> radiance_in: array<vec4f>;
+@group(0) @binding(2) var<storage, read> sun_in: array<vec4f>;
+@group(0) @binding(3) var<storage, read> nearness_in: array<f32>;
+@group(0) @binding(4) var<storage, read_write> radiance_out: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> sun_out: array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> nearness_out: array<f32>;
+
+const SUBPIXELS: f32 = 256.0;
+// Disagreement of two depths that counts as another thing, pixels.
+const DISOCCLUDED: f32 = 1.0;
+
+// Four pixels and their weights.
+struct Taps {
+    index: vec4u,
+    weight: vec4f,
+}
+
+// What the picture before knows of a pixel.
+struct Past {
+    at: vec2f,
+    nearness: f32,
+    serves: bool,
+}
+
+fn index_of(pixel: vec2u) -> u32 {
+    return pixel.y * motion.size.x + pixel.x;
+}
+
+// Bilinear taps among `size` points `stride` pixels apart, the first of them at `first`; `at` in points.
+fn taps(at: vec2f, size: vec2u, first: vec2u, stride: u32) -> Taps {
+    let low = floor(at);
+    let part = at - low;
+    let last = vec2i(size) - 1;
+    let a = first + stride * vec2u(clamp(vec2i(low), vec2i(0), last));
+    let b = first + stride * vec2u(clamp(vec2i(low) + 1, vec2i(0), last));
+    let index = vec4u(index_of(a), index_of(vec2u(b.x, a.y)), index_of(vec2u(a.x, b.y)), index_of(b));
+    let rest = 1.0 - part;
+    return Taps(index, vec4f(rest.x * rest.y, part.x * rest.y, rest.x * part.y, part.x * part.y));
+}
+
+fn past_of(pixel: vec2u, nearness: f32) -> Past {
+    let far = motion.turn_x * (f32(pixel.x) + 0.5) + motion.turn_y * (f32(pixel.y) + 0.5) + motion.turn_w;
+    let seen = far + motion.shift * nearness;
+    let at = round(seen.xy / seen.z * SUBPIXELS) / SUBPIXELS;
+    if motion.remembers == 0u || !(seen.z > 0.0) || any(at < vec2f(0.0)) || any(at > vec2f(motion.size)) {
+        return Past(at, 0.0, false);
+    }
+    // The same pixel, were it as near as the history says.
+    let held = nearness_in[index_of(min(vec2u(at), motion.size - 1u))];
+    let scale = 1.0 - motion.shift.z * held;
+    let own = far.z * held / scale;
+    let other = far + motion.shift * own;
+    let agrees = distance(other.xy / other.z, at) <= DISOCCLUDED;
+    return Past(at, own, scale > 0.0 && other.z > 0.0 && agrees);
+}
+
+@compute @workgroup_size(8, 8)
+fn reconstruct(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= motion.size) || all((id.xy & vec2u(1u)) == motion.pixel) {
+        return;
+    }
+    let index = index_of(id.xy);
+    let marched = (motion.size - motion.pixel + 1u) / 2u;
+    let nearness = nearness_out[index_of(2u * min(id.xy / 2u, marched - 1u) + motion.pixel)];
+    let past = past_of(id.xy, nearness);
+    var radiance = vec4f(0.0);
+    var sun = vec4f(0.0);
+    if past.serves {
+        let four = taps(past.at - 0.5, motion.size, vec2u(0u), 1u);
+        for (var i = 0u; i < 4u; i++) {
+            if four.weight[i] > 0.0 {
+                radiance += four.weight[i] * radiance_in[four.index[i]];
+                sun += four.weight[i] * sun_in[four.index[i]];
+            }
+        }
+    } else {
+        let four = taps((vec2f(id.xy) - vec2f(motion.pixel)) / 2.0, marched, motion.pixel, 2u);
+        for (var i = 0u; i < 4u; i++) {
+            if four.weight[i] > 0.0 {
+                radiance += four.weight[i] * radiance_out[four.index[i]];
+                sun += four.weight[i] * sun_out[four.index[i]];
+            }
+        }
+    }
+    radiance_out[index] = radiance;
+    sun_out[index] = sun;
+    nearness_out[index] = select(nearness, past.nearness, past.serves);
+}
