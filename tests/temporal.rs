@@ -229,11 +229,14 @@ fn the_march_of_a_full_picture_holds_nothing_of_it() {
             ("density", "density/uniform.wgsl"),
             ("occlusion", "occlusion/none.wgsl"),
         ];
-        let module = compose(&Program {
-            entry: "raymarch.wgsl",
-            roles,
-            defs,
-        })
+        let module = compose(
+            &Sources::embedded(),
+            &Program {
+                entry: "raymarch.wgsl",
+                roles,
+                defs,
+            },
+        )
         .unwrap();
         let variables = module.global_variables.iter();
         let bound = variables.filter(|(_, v)| v.binding.is_some());
