@@ -222,7 +222,7 @@ fn a_ray_in_several_dispatches_keeps_its_depth() {
 
 #[test]
 fn the_march_of_a_full_picture_holds_nothing_of_it() {
-    use occlab::gpu::{Defs, Program, compose};
+    use occlab::gpu::{Defs, Program, Sources, compose};
     let names = |defs: Defs| {
         let roles = vec![
             ("container", "container/box.wgsl"),
