@@ -274,6 +274,7 @@ impl<'a> Bench<'a> {
             time_ms: times(&run.times),
             rounds_total_ms: run.times.iter().filter_map(PassTimes::total).collect(),
             samples: counts.samples,
+            look_ups: counts.look_ups,
             error,
             decomposition,
             notes,

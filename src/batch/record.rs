@@ -144,6 +144,9 @@ pub struct Measured {
     pub rounds_total_ms: Vec<f64>,
     /// Density samples, from an untimed counting pipeline.
     pub samples: Samples,
+    /// Light look-ups in a map, from the same pipeline; 0 without a map.
+    #[serde(default)]
+    pub look_ups: u64,
     /// Against the truth.
     pub error: ErrorNumbers,
     /// The error's three parts, where the experiment asks for them.

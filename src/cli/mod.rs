@@ -8,6 +8,7 @@ mod progress;
 mod render;
 mod scene;
 mod stability;
+mod study;
 
 use clap::{Parser, Subcommand};
 use occlab::backend::{Backend, Choice};
@@ -39,6 +40,8 @@ enum Command {
     Diff(diff::Diff),
     /// Push every method to where its numbers end, on the oracle and on the device.
     Stability(stability::Stability),
+    /// Do a published comparison again: its experiments, figures and claims; without a name the studies are listed.
+    Study(study::Study),
     /// List the light-occlusion methods and their parameters.
     Methods(info::Json),
     /// List the adapters of this machine.
@@ -107,6 +110,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Probe(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Stability(c) => c.run(),
+        Command::Study(c) => c.run(),
         Command::Methods(c) => info::methods(&c),
         Command::Adapters(c) => info::adapters(&c),
         Command::Schema => info::schema(),

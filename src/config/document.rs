@@ -21,6 +21,8 @@ pub struct Document {
     path: PathBuf,
     text: String,
     value: Value,
+    /// Where `value` stands in the text: the JSON pointer that all others start from.
+    base: String,
 }
 
 /// A problem inside a JSON value, not yet bound to a file.
@@ -118,7 +120,17 @@ impl Document {
             path: path.to_owned(),
             text,
             value,
+            base: String::new(),
         })
+    }
+
+    /// `value` as a document of its own, which stands at `base` of this file: errors name the places there.
+    pub(super) fn part(&self, value: Value, base: &str) -> Self {
+        Self {
+            value,
+            base: format!("{}{base}", self.base),
+            ..self.clone()
+        }
     }
 
     /// The whole file as it was read.
@@ -162,11 +174,12 @@ impl Document {
     }
 
     pub(super) fn fault(&self, fault: Fault) -> Error {
-        let place = locate::position(&self.text, &fault.pointer, fault.part);
+        let pointer = format!("{}{}", self.base, fault.pointer);
+        let place = locate::position(&self.text, &pointer, fault.part);
         error_at(
             &self.path,
             place,
-            Some(&fault.pointer),
+            Some(&pointer),
             fault.problem,
             fault.remedy,
         )

@@ -105,6 +105,7 @@ fn measurements() -> Vec<String> {
         },
         rounds_total_ms: Vec::new(),
         samples: Samples::default(),
+        look_ups: 0,
         error: ErrorNumbers {
             floor_rel_rmse: Some(0.0),
             flicker: Some(0.0),

@@ -205,6 +205,7 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
                 light: if *method == "srm" { 88_123_456 } else { 0 },
                 map: values * 1000,
             },
+            look_ups: if *values > 0 { 9_000_000 } else { 0 },
             error: errors(rel_rmse, *values > 0),
             decomposition: (scene == HOSTILE).then(|| Decomposition {
                 model_rel_rmse: 0.8 * rel_rmse,
