@@ -67,7 +67,9 @@ fn cells(folder: &Path) -> Vec<PathBuf> {
     let folders = ["steps", "maps"].map(|id| folder.join(format!("out/experiments/{id}/cells")));
     let entries = folders.iter().filter_map(|f| std::fs::read_dir(f).ok());
     let paths = entries.flatten().map(|e| e.unwrap().path());
-    paths.filter(|p| p.extension().is_some_and(|e| e == "json")).collect()
+    paths
+        .filter(|p| p.extension().is_some_and(|e| e == "json"))
+        .collect()
 }
 
 fn json_file(path: PathBuf) -> Value {
@@ -85,7 +87,10 @@ fn a_study_decides_what_it_can_and_resumes_after_a_kill() {
         .unwrap();
     let start = Instant::now();
     while cells(folder.path()).is_empty() && child.try_wait().unwrap().is_none() {
-        assert!(start.elapsed() < Duration::from_secs(120), "no cell was recorded");
+        assert!(
+            start.elapsed() < Duration::from_secs(120),
+            "no cell was recorded"
+        );
         std::thread::sleep(Duration::from_millis(5));
     }
     child.kill().unwrap();
@@ -104,20 +109,47 @@ fn a_study_decides_what_it_can_and_resumes_after_a_kill() {
 
     let out = folder.path().join("out");
     let found = json_file(out.join("study.json"));
-    let verdicts: Vec<_> = found["claims"].as_array().unwrap().iter().map(|c| c["verdict"].as_str().unwrap()).collect();
+    let verdicts: Vec<_> = found["claims"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|c| c["verdict"].as_str().unwrap())
+        .collect();
     assert_eq!(verdicts, ["holds", "fails", "undecidable", "holds"]);
-    assert!(found["claims"][2]["parts"][0]["numbers"].as_str().unwrap().contains("65536"));
-    assert!(found["errata"][0]["numbers"].as_str().unwrap().contains("16.0 times"), "{}", found["errata"]);
+    assert!(
+        found["claims"][2]["parts"][0]["numbers"]
+            .as_str()
+            .unwrap()
+            .contains("65536")
+    );
+    assert!(
+        found["errata"][0]["numbers"]
+            .as_str()
+            .unwrap()
+            .contains("16.0 times"),
+        "{}",
+        found["errata"]
+    );
     assert_eq!(found["failed"], 1);
     let report = json_file(out.join("experiments/maps/report.json"));
     assert_eq!(report["claims"].as_array().unwrap().len(), 3);
     assert_eq!(report["claims"][0]["verdict"], "holds");
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();
-    for words in ["A tiny study &lt;&amp;&gt;", "not decidable here", "Figure 1", "./guide.html", "#cell-0"] {
+    for words in [
+        "A tiny study &lt;&amp;&gt;",
+        "not decidable here",
+        "Figure 1",
+        "./guide.html",
+        "#cell-0",
+    ] {
         assert!(page.contains(words), "`{words}` is not on the page");
     }
     assert!(!page.contains("<&>"));
-    assert!(std::fs::read_to_string(out.join("guide.html")).unwrap().contains("By steps"));
+    assert!(
+        std::fs::read_to_string(out.join("guide.html"))
+            .unwrap()
+            .contains("By steps")
+    );
     assert!(out.join("charts/figure-time.svg").exists());
 }
 
@@ -125,15 +157,45 @@ fn a_study_decides_what_it_can_and_resumes_after_a_kill() {
 fn wrong_study_files_are_refused_with_their_place() {
     type Edit = fn(&mut Value);
     let cases: [(Edit, &[&str]); 9] = [
-        (|s| s["claim"] = json!([]), &["tiny.json:", "unknown field `claim`", "claims"]),
-        (|s| s["experiments"][0]["matrix"]["image"] = json!("$imag"), &["tiny.json:", "`imag`", "Did you mean `image`"]),
-        (|s| s["profiles"]["quick"]["values"]["spare"] = json!(1), &["tiny.json:", "nothing uses `$spare`"]),
-        (|s| s["experiments"][1]["matrix"]["methods"][0]["step"] = json!(1), &["tiny.json:", "/experiments/1/matrix/methods/0/step"]),
-        (|s| s["claims"][0]["checks"][0]["test"]["ratio"]["of"]["of"]["experiment"] = json!("map"), &["tiny.json:", "there is no experiment `map`", "maps"]),
-        (|s| s["charts"][0]["series"][0] = json!("sr"), &["tiny.json:", "there is no series `sr`"]),
-        (|s| s["pictures"] = json!(["step"]), &["tiny.json:", "/pictures/0"]),
-        (|s| s["experiments"][1]["id"] = json!("../up"), &["tiny.json:", "cannot name a folder"]),
-        (|s| s["profiles"] = json!({"slow": {"about": "x"}}), &["tiny.json:", "no profile `quick`", "slow"]),
+        (
+            |s| s["claim"] = json!([]),
+            &["tiny.json:", "unknown field `claim`", "claims"],
+        ),
+        (
+            |s| s["experiments"][0]["matrix"]["image"] = json!("$imag"),
+            &["tiny.json:", "`imag`", "Did you mean `image`"],
+        ),
+        (
+            |s| s["profiles"]["quick"]["values"]["spare"] = json!(1),
+            &["tiny.json:", "nothing uses `$spare`"],
+        ),
+        (
+            |s| s["experiments"][1]["matrix"]["methods"][0]["step"] = json!(1),
+            &["tiny.json:", "/experiments/1/matrix/methods/0/step"],
+        ),
+        (
+            |s| {
+                s["claims"][0]["checks"][0]["test"]["ratio"]["of"]["of"]["experiment"] =
+                    json!("map")
+            },
+            &["tiny.json:", "there is no experiment `map`", "maps"],
+        ),
+        (
+            |s| s["charts"][0]["series"][0] = json!("sr"),
+            &["tiny.json:", "there is no series `sr`"],
+        ),
+        (
+            |s| s["pictures"] = json!(["step"]),
+            &["tiny.json:", "/pictures/0"],
+        ),
+        (
+            |s| s["experiments"][1]["id"] = json!("../up"),
+            &["tiny.json:", "cannot name a folder"],
+        ),
+        (
+            |s| s["profiles"] = json!({"slow": {"about": "x"}}),
+            &["tiny.json:", "no profile `quick`", "slow"],
+        ),
     ];
     for (edit, words) in cases {
         let folder = workplace_of(edit);
@@ -147,14 +209,22 @@ fn studies_are_listed_and_an_unknown_one_is_refused() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let listed = occlab(root).arg("study").output().unwrap();
     let text = String::from_utf8_lossy(&listed.stdout).into_owned();
-    assert!(text.starts_with("m ") && text.contains("full, quick"), "{text}");
-    refused(&occlab(root).args(["study", "n"]).output().unwrap(), &["n:", "configs/studies/n.json"]);
+    assert!(
+        text.starts_with("m ") && text.contains("full, quick"),
+        "{text}"
+    );
+    refused(
+        &occlab(root).args(["study", "n"]).output().unwrap(),
+        &["n:", "configs/studies/n.json"],
+    );
 }
 
 #[test]
 fn both_profiles_of_every_shipped_study_are_read() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/studies");
-    let paths = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
+    let paths = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path());
     for path in paths.filter(|p| p.extension().is_some_and(|e| e == "json")) {
         for profile in ["quick", "full"] {
             let study = occlab::config::load_study(&path, profile).unwrap();

@@ -49,16 +49,10 @@ impl Study {
         let quiet = self.device.quiet;
         let progress = bar(STEPS as u64, quiet);
         let mut resumed = false;
-        let (outcome, page) = run(
-            &study,
-            &backend,
-            &folder,
-            cache.as_deref(),
-            &mut |event| {
-                show(&progress, quiet, &mut resumed, event);
-                ControlFlow::Continue(())
-            },
-        )?;
+        let (outcome, page) = run(&study, &backend, &folder, cache.as_deref(), &mut |event| {
+            show(&progress, quiet, &mut resumed, event);
+            ControlFlow::Continue(())
+        })?;
         progress.finish_and_clear();
         if !quiet {
             summarise(&outcome);
@@ -83,7 +77,12 @@ fn file(name: &str) -> anyhow::Result<PathBuf> {
         return Ok(path);
     }
     let remedy = "`occlab study` lists those there are; a path of a study file is accepted too.";
-    Err(Error::input(name, format!("there is no study file {}", path.display()), remedy).into())
+    Err(Error::input(
+        name,
+        format!("there is no study file {}", path.display()),
+        remedy,
+    )
+    .into())
 }
 
 /// Names, profiles and titles of the studies in [`FOLDER`].
@@ -94,7 +93,11 @@ fn list() -> anyhow::Result<ExitCode> {
     paths.retain(|path| path.extension().is_some_and(|e| e == "json"));
     paths.sort();
     for path in paths {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         let (title, profiles) = study_profiles(&path)?;
         say(format!("{name:<12} {:<14} {title}", profiles.join(", ")))?;
     }
@@ -110,7 +113,11 @@ fn show(bar: &ProgressBar, quiet: bool, resumed: &mut bool, event: Event<'_>) {
     };
     let place = |progress: Progress| bar.set_position((progress.share * STEPS) as u64);
     match event {
-        Event::Begins { index, count, title } => {
+        Event::Begins {
+            index,
+            count,
+            title,
+        } => {
             line(format!("experiment {}/{count}: {title}", index + 1));
         }
         Event::Done(id, progress) => {
@@ -135,7 +142,10 @@ fn show(bar: &ProgressBar, quiet: bool, resumed: &mut bool, event: Event<'_>) {
                 }
                 batch::Event::Cell(cell) => {
                     if let Some(reason) = &cell.failed {
-                        line(format!("  failed: {} {:?}: {reason}", cell.method, cell.params));
+                        line(format!(
+                            "  failed: {} {:?}: {reason}",
+                            cell.method, cell.params
+                        ));
                     }
                 }
             }

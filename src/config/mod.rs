@@ -28,8 +28,8 @@ pub use methods::MethodCatalogue;
 pub use schema::schema;
 pub use stability::{Extreme, Fill, Stability, VolumeFile, load_stability, parse_stability};
 pub use study::{
-    Check, ChartSpec, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series, Study,
-    StudyExperiment, Test, load_study, parse_study, study_profiles,
+    ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,
+    Study, StudyExperiment, Test, load_study, parse_study, study_profiles,
 };
 
 use crate::error::Result;

@@ -32,8 +32,16 @@ pub fn all(study: &Study, records: &Records<'_>, outcome: &Outcome) -> Result<Ve
         figures.push(chart(spec, records, outcome)?);
     }
     for (file, title, own) in [
-        ("cost-thesis.svg", "One price a sample: predicted ÷ measured", false),
-        ("cost-own.svg", "Prices of each method's own: predicted ÷ measured", true),
+        (
+            "cost-thesis.svg",
+            "One price a sample: predicted ÷ measured",
+            false,
+        ),
+        (
+            "cost-own.svg",
+            "Prices of each method's own: predicted ÷ measured",
+            true,
+        ),
     ] {
         figures.push(Figure {
             file: file.to_owned(),
@@ -49,7 +57,10 @@ pub fn all(study: &Study, records: &Records<'_>, outcome: &Outcome) -> Result<Ve
 
 fn chart(spec: &ChartSpec, records: &Records<'_>, outcome: &Outcome) -> Result<Figure> {
     let (mut curves, mut missing) = (Vec::new(), Vec::new());
-    for (metric, look) in [(Some(&spec.metric), Look::Solid), (spec.also.as_ref(), Look::Dashed)] {
+    for (metric, look) in [
+        (Some(&spec.metric), Look::Solid),
+        (spec.also.as_ref(), Look::Dashed),
+    ] {
         let Some(metric) = metric else { continue };
         for name in &spec.series {
             let pick = Pick {
@@ -130,7 +141,10 @@ fn unit_of(spec: &ChartSpec, records: &Records<'_>) -> String {
         at: spec.at.clone(),
     };
     let label = records.label(name);
-    match records.find(&pick).and_then(|f| select::metric(&f, "total_ms")) {
+    match records
+        .find(&pick)
+        .and_then(|f| select::metric(&f, "total_ms"))
+    {
         Ok(unit) => format!("1 = {label} in the same round: {}", ms(Some(unit.value))),
         Err(_) => format!("1 = {label} in the same picture and round"),
     }
@@ -173,7 +187,12 @@ fn relative(
                 && cell.result.as_ref().is_some_and(same)
         })
     });
-    let missing = || format!("{} was not measured in the same picture", records.label(series));
+    let missing = || {
+        format!(
+            "{} was not measured in the same picture",
+            records.label(series)
+        )
+    };
     let cell = units.next().ok_or_else(missing)?;
     let unit = Found {
         cell,

@@ -235,8 +235,16 @@ fn why(cost: &MethodCost, cells: &[&Cost], errors: &[f64], thesis_ns: f64) -> Ve
 
 /// What the errors of the method's own model go with.
 fn own_reason(cost: &MethodCost, cells: &[&Cost], errors: &[f64]) -> String {
-    let at = |i: usize| if errors[i].abs() == cost.worst.abs() { Some(i) } else { None };
-    let noisy = (0..cells.len()).find_map(at).map_or(0.0, |i| cells[i].spread);
+    let at = |i: usize| {
+        if errors[i].abs() == cost.worst.abs() {
+            Some(i)
+        } else {
+            None
+        }
+    };
+    let noisy = (0..cells.len())
+        .find_map(at)
+        .map_or(0.0, |i| cells[i].spread);
     let per_look = |c: &Cost| (c.counts[1] + 1.0) / (c.counts[0] + 1.0);
     let causes: [(&str, Vec<f64>); 4] = [
         (
@@ -268,7 +276,10 @@ fn own_reason(cost: &MethodCost, cells: &[&Cost], errors: &[f64]) -> String {
     if let Some((name, r)) = strongest.filter(|(_, r)| r.abs() >= 0.5) {
         text += &format!(" The errors go with {name}: correlation {r:.2}.");
     } else if let Some((_, r)) = strongest {
-        text += &format!(" They go with none of cloud share, early ends, map size or time (|correlation| ≤ {:.2}).", r.abs());
+        text += &format!(
+            " They go with none of cloud share, early ends, map size or time (|correlation| ≤ {:.2}).",
+            r.abs()
+        );
     }
     text
 }
@@ -282,7 +293,11 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
         a.iter().zip(b).map(|(a, b)| f(a - ma, b - mb)).sum()
     };
     let norm = (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt();
-    if norm > 0.0 { sum(&|a, b| a * b) / norm } else { 0.0 }
+    if norm > 0.0 {
+        sum(&|a, b| a * b) / norm
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]

@@ -107,9 +107,7 @@ fn truths<'a>(
     let (id, report) = records.report(experiment)?;
     let open = |set| truth(report, &folder.join(id), set);
     let (wrong, right, limit) = (open(printed)?, open(meant)?, open(limit)?);
-    let error = |frame: &Frame| {
-        relative_rmse(&limit, &limit, frame).map_err(|e| e.to_string())
-    };
+    let error = |frame: &Frame| relative_rmse(&limit, &limit, frame).map_err(|e| e.to_string());
     let (wrong, right) = (error(&wrong)?, error(&right)?);
     let text = format!(
         "rel_rmse of the truth from its own limit {} as printed, {} as meant: {} times",
@@ -130,7 +128,10 @@ fn truth(report: &Report, folder: &Path, set: &Map<String, Value>) -> Result<Fra
     };
     let mut names = report.references.iter().map(|r| r.id.as_str());
     let name = names.find(fits);
-    let reference = report.references.iter().find(|r| Some(r.id.as_str()) == name);
+    let reference = report
+        .references
+        .iter()
+        .find(|r| Some(r.id.as_str()) == name);
     let file = reference.and_then(|r| r.files.get("exr")?.as_str());
     let file = file.ok_or_else(|| format!("there is no truth at {}", Value::from(set.clone())))?;
     let path = crate::report::files::inside(folder, file)?;

@@ -58,7 +58,11 @@ pub fn answer(records: &Records<'_>, question: &Question) -> Answer {
         } => {
             let picks = picks(experiment, series, at);
             let budget = budget.as_deref().map(|b| (b, budget_words.as_str()));
-            (title, words, within(records, metric, &picks, budget, limits))
+            (
+                title,
+                words,
+                within(records, metric, &picks, budget, limits),
+            )
         }
     };
     Answer {
@@ -103,7 +107,11 @@ fn podium<'a>(mut entries: Vec<Entry<'a>>, metric: &str) -> Result<Podium<'a>, S
         let ratio = select::ratio(&best.found, &entry.found, metric);
         ratio.map_or(best.value.high < entry.value.low, |r| r.high < 1.0)
     };
-    let first = entries.iter().skip(1).position(beaten).map_or(entries.len(), |i| i + 1);
+    let first = entries
+        .iter()
+        .skip(1)
+        .position(beaten)
+        .map_or(entries.len(), |i| i + 1);
     Ok(Podium {
         next: entries.get(first).cloned(),
         leaders: entries.into_iter().take(first).collect(),
@@ -180,7 +188,11 @@ fn along_axis(
         };
         let (mut text, mut cells) = match stretch.len() {
             1 => (
-                format!("At {words} {}: {verdict} ({}).", number(ends[0].0), ends[0].1.text(unit(metric))),
+                format!(
+                    "At {words} {}: {verdict} ({}).",
+                    number(ends[0].0),
+                    ends[0].1.text(unit(metric))
+                ),
                 Vec::new(),
             ),
             _ => (
@@ -246,7 +258,10 @@ fn within(
         };
         sentences.push(match podium(fitting, metric) {
             Ok(podium) => Sentence {
-                text: format!("With {words} of at most {shown}: take {}.", podium.text(unit(metric))),
+                text: format!(
+                    "With {words} of at most {shown}: take {}.",
+                    podium.text(unit(metric))
+                ),
                 cells: podium.cells(),
             },
             Err(_) => Sentence {

@@ -41,8 +41,16 @@ impl Interval {
         if other.low <= 0.0 {
             return Err(format!("the divisor may be 0 ({other})"));
         }
-        let least = if self.low < 0.0 { other.low } else { other.high };
-        let most = if self.high < 0.0 { other.high } else { other.low };
+        let least = if self.low < 0.0 {
+            other.low
+        } else {
+            other.high
+        };
+        let most = if self.high < 0.0 {
+            other.high
+        } else {
+            other.low
+        };
         Ok(Self {
             low: self.low / least,
             value: self.value / other.value,

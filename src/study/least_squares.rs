@@ -25,7 +25,10 @@ pub fn non_negative(rows: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
 
 fn residual(rows: &[Vec<f64>], b: &[f64], x: &[f64]) -> f64 {
     let product = |row: &Vec<f64>| row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
-    let squares = rows.iter().zip(b).map(|(row, b)| (product(row) - b).powi(2));
+    let squares = rows
+        .iter()
+        .zip(b)
+        .map(|(row, b)| (product(row) - b).powi(2));
     squares.sum()
 }
 
@@ -56,7 +59,9 @@ fn solve(rows: &[Vec<f64>], b: &[f64], used: &[usize]) -> Option<Vec<f64>> {
         let upper = m[i].clone();
         for row in &mut m[i + 1..] {
             let factor = row[i] / upper[i];
-            row.iter_mut().zip(&upper).for_each(|(a, u)| *a -= factor * u);
+            row.iter_mut()
+                .zip(&upper)
+                .for_each(|(a, u)| *a -= factor * u);
         }
     }
     let mut x = vec![0.0; n];

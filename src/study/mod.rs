@@ -81,8 +81,7 @@ pub fn conclude(
     };
     let outcome = outcome(study, &records, folder);
     let json = folder.join("study.json");
-    let text =
-        serde_json::to_vec_pretty(&outcome).map_err(|e| Error::writing(&json)(e.into()))?;
+    let text = serde_json::to_vec_pretty(&outcome).map_err(|e| Error::writing(&json)(e.into()))?;
     crate::report::files::write(&json, &text)?;
     let figures = charts::all(study, &records, &outcome)?;
     let files = figures.iter().map(|f| (f.file.as_str(), f.svg.as_bytes()));

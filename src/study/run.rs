@@ -8,6 +8,7 @@ use crate::batch::{self, record::Report};
 use crate::config::{CellSpec, Experiment, Matrix, Study, Test, View, expand};
 use crate::error::Result;
 use crate::occlusion::Registry;
+use crate::scene::Track;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -58,7 +59,8 @@ struct Forecast {
 impl Forecast {
     fn new(experiment: &Experiment, matrix: &Matrix) -> Self {
         let rounds = f64::from(experiment.runs + experiment.discard + 1);
-        let truth = |view: &View| view_samples(view) * TRUTH_SAMPLES + LEAST_SAMPLES;
+        let truths = 1.0 + (f64::from(Track::FRAMES) - 1.0) * experiment.flicker.len() as f64;
+        let truth = |view: &View| truths * (view_samples(view) * TRUTH_SAMPLES + LEAST_SAMPLES);
         let cells = matrix.views.iter().flat_map(|view| {
             view.cells
                 .iter()
@@ -108,14 +110,23 @@ pub fn run(
     let forecasts = study
         .experiments
         .iter()
-        .map(|e| Ok(Forecast::new(&e.experiment, &expand(&e.experiment, &Registry)?)))
+        .map(|e| {
+            Ok(Forecast::new(
+                &e.experiment,
+                &expand(&e.experiment, &Registry)?,
+            ))
+        })
         .collect::<Result<Vec<_>>>()?;
     let mut meter = Meter::new(forecasts.iter().map(Forecast::total).sum());
     let mut reports: Vec<(String, Report)> = Vec::new();
     for (index, (entry, forecast)) in study.experiments.iter().zip(&forecasts).enumerate() {
         let count = study.experiments.len();
         let title = entry.title.as_str();
-        tell(observe(Event::Begins { index, count, title }))?;
+        tell(observe(Event::Begins {
+            index,
+            count,
+            title,
+        }))?;
         let own = folder.join(EXPERIMENTS).join(&entry.id);
         let before = meter.done;
         let mut watch = |event: batch::Event| {
@@ -242,6 +253,8 @@ fn experiments<'a>(tests: impl Iterator<Item = &'a Test>) -> BTreeSet<&'a str> {
 }
 
 fn quantity(quantity: &crate::config::Quantity) -> impl Iterator<Item = &str> {
-    let picks = std::iter::once(&quantity.of).chain(&quantity.minus);
+    let picks = [Some(&quantity.of), quantity.minus.as_ref()]
+        .into_iter()
+        .flatten();
     picks.map(|pick| pick.experiment.as_str())
 }

@@ -104,9 +104,8 @@ impl<'a> Records<'a> {
         let mut points = Vec::with_capacity(cells.len());
         for cell in cells {
             let numbers = numbers(cell, &self.words(pick))?;
-            let x = value_of(cell, axis).ok_or_else(|| {
-                format!("a cell of {} has no number `{axis}`", self.words(pick))
-            })?;
+            let x = value_of(cell, axis)
+                .ok_or_else(|| format!("a cell of {} has no number `{axis}`", self.words(pick)))?;
             let found = Found {
                 experiment,
                 report,
@@ -122,9 +121,10 @@ impl<'a> Records<'a> {
                 self.words(pick),
                 pair[0].0
             )),
-            None if points.is_empty() => {
-                Err(format!("no cell of `{experiment}` fits {}", self.words(pick)))
-            }
+            None if points.is_empty() => Err(format!(
+                "no cell of `{experiment}` fits {}",
+                self.words(pick)
+            )),
             None => Ok(points),
         }
     }
@@ -253,8 +253,7 @@ fn spread(stats: Option<Stats>, name: &str) -> Result<Interval, String> {
 /// Ratio of a number of two cells; total times of one view are divided round by round.
 pub fn ratio(of: &Found<'_>, to: &Found<'_>, name: &str) -> Result<Interval, String> {
     let (a, b) = (&of.numbers.rounds_total_ms, &to.numbers.rounds_total_ms);
-    let same_view =
-        of.experiment == to.experiment && of.numbers.reference == to.numbers.reference;
+    let same_view = of.experiment == to.experiment && of.numbers.reference == to.numbers.reference;
     if name == "total_ms" && same_view && a.len() == b.len() && a.len() >= FEWEST_RUNS {
         let ratios: Vec<f64> = a.iter().zip(b).map(|(a, b)| a / b).collect();
         if let Some(stats) = summarise(&ratios) {

@@ -14,7 +14,8 @@
 mod spec;
 
 pub use spec::{
-    ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series, Test,
+    ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,
+    Test,
 };
 
 use super::document::Document;
@@ -229,9 +230,8 @@ fn check_names(document: &Document, file: &File) -> Result<()> {
             return Err(document.error(&format!("/experiments/{i}/id"), problem, remedy));
         }
     }
-    let charts = file.charts.iter().enumerate();
-    for (i, chart) in charts.filter(|(_, chart)| !named(&chart.id)) {
-        let problem = format!("`{}` cannot name a file", chart.id);
+    if let Some(i) = file.charts.iter().position(|chart| !named(&chart.id)) {
+        let problem = format!("`{}` cannot name a file", file.charts[i].id);
         let remedy = "Use 1 to 60 lower-case letters, digits and hyphens.";
         return Err(document.error(&format!("/charts/{i}/id"), problem, remedy));
     }

@@ -53,16 +53,16 @@ pub enum Test {
     /// A number lies between limits.
     Range {
         /// The number.
-        of: Quantity,
+        of: Box<Quantity>,
         /// Lower and upper limit.
         between: (f64, Option<f64>),
     },
     /// The ratio of two numbers lies between limits; times of one view are divided round by round.
     Ratio {
         /// Dividend.
-        of: Quantity,
+        of: Box<Quantity>,
         /// Divisor.
-        to: Quantity,
+        to: Box<Quantity>,
         /// Lower and upper limit.
         between: (f64, Option<f64>),
     },
@@ -223,14 +223,14 @@ pub enum Evidence {
         /// Units in one of the measured number, e.g. bytes in a MiB.
         per: f64,
         /// The measured number.
-        measured: Quantity,
+        measured: Box<Quantity>,
     },
     /// A number of two cells: as printed and as meant.
     Cells {
         /// As printed.
-        printed: Quantity,
+        printed: Box<Quantity>,
         /// As meant.
-        meant: Quantity,
+        meant: Box<Quantity>,
     },
     /// rel_rmse of two truths from a third: the view march itself is at fault, which cells share with their truth.
     Truths {

@@ -88,7 +88,9 @@ pub fn draw(chart: &Curves) -> Result<Option<String>> {
         let top = legend(canvas, top, &keys)?;
         let loose = chart.curves.iter().all(|curve| curve.look == Look::Points);
         let x = axis(&chart.x, !loose, points().map(|p| p.x));
-        let ends = points().flat_map(|p| [p.low, p.high]).chain(chart.levels.clone());
+        let ends = points()
+            .flat_map(|p| [p.low, p.high])
+            .chain(chart.levels.clone());
         let y = axis(&chart.y, false, ends);
         let plot = Plot::new(top, height, 84, x, y);
         plot.draw(canvas)?;
@@ -123,7 +125,11 @@ pub fn draw(chart: &Curves) -> Result<Option<String>> {
     Ok(Some(svg))
 }
 
-fn axis((title, log): &(String, bool), marked: bool, values: impl Iterator<Item = f64> + Clone) -> Axis {
+fn axis(
+    (title, log): &(String, bool),
+    marked: bool,
+    values: impl Iterator<Item = f64> + Clone,
+) -> Axis {
     match (log, marked) {
         (true, true) => Axis::log_at(title, values),
         (true, false) => Axis::log(title, "0", values),

@@ -34,7 +34,11 @@ pub fn straight(
     let least = values.iter().map(|(_, y)| y.value).fold(f64::MAX, f64::min);
     let range = (largest - least).max(f64::MIN_POSITIVE);
     let off = |(x, y): &(f64, Interval)| (y.value - line.0 - line.1 * x).abs();
-    let noise = values.iter().map(|(_, y)| y.half_width()).fold(0.0, f64::max) / range;
+    let noise = values
+        .iter()
+        .map(|(_, y)| y.half_width())
+        .fold(0.0, f64::max)
+        / range;
     let bent = values.iter().map(off).fold(0.0, f64::max) / range;
     let mut verdict = limited(bent, noise, bend);
     let mut text = format!(
@@ -67,11 +71,7 @@ pub fn straight(
 
 /// A deviation against its limit, where `noise` of it may be due to the repeats.
 fn limited(deviation: f64, noise: f64, limit: f64) -> Verdict {
-    Verdict::within(
-        (deviation - noise).max(0.0),
-        deviation,
-        (0.0, limit),
-    )
+    Verdict::within((deviation - noise).max(0.0), deviation, (0.0, limit))
 }
 
 /// Least squares: intercept and slope.
@@ -103,7 +103,7 @@ pub enum Crossing {
 pub fn crossing(ratios: &[(f64, Interval)]) -> Crossing {
     let below = |(_, r): &&(f64, Interval)| r.high < 1.0;
     let above = |(_, r): &&(f64, Interval)| r.low > 1.0;
-    let last_below = ratios.iter().filter(below).next_back().map(|p| p.0);
+    let last_below = ratios.iter().rfind(below).map(|p| p.0);
     let first_above = ratios.iter().find(above).map(|p| p.0);
     match (last_below, first_above) {
         (None, None) => Crossing::Unclear,

@@ -78,7 +78,10 @@ pub fn order(
         }
     }
     for pair in ascending.windows(2) {
-        for (small, large) in pair[0].iter().flat_map(|a| pair[1].iter().map(move |b| (a, b))) {
+        for (small, large) in pair[0]
+            .iter()
+            .flat_map(|a| pair[1].iter().map(move |b| (a, b)))
+        {
             let (a, b) = (records.find(small)?, records.find(large)?);
             verdicts.push(below(&a, &b, metric)?);
         }

@@ -25,7 +25,10 @@ pub fn write(
     outcome: &Outcome,
     figures: &[Figure],
 ) -> Result<PathBuf> {
-    let guide = frame(&format!("Which method when · {}", study.title), &guide::body(study, outcome));
+    let guide = frame(
+        &format!("Which method when · {}", study.title),
+        &guide::body(study, outcome),
+    );
     files::write(&folder.join("guide.html"), guide.into_string().as_bytes())?;
     let body = html! {
         (headline(study, outcome))
@@ -64,7 +67,13 @@ fn frame(title: &str, body: &Markup) -> Markup {
 }
 
 fn headline(study: &Study, outcome: &Outcome) -> Markup {
-    let count = |verdict| outcome.claims.iter().filter(|c| c.verdict == verdict).count();
+    let count = |verdict| {
+        outcome
+            .claims
+            .iter()
+            .filter(|c| c.verdict == verdict)
+            .count()
+    };
     html! {
         header {
             p.kicker { "occlab · a study done again" }

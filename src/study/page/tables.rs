@@ -2,8 +2,8 @@
 
 use super::super::Outcome;
 use super::super::charts::Figure;
-use super::super::cost_model::COUNTS;
 use super::super::claims::Claim;
+use super::super::cost_model::COUNTS;
 use super::{cell_links, class, grid};
 use crate::report::format::{number, percent, signed_percent};
 use crate::report::page::parts;
@@ -141,13 +141,34 @@ fn prices(outcome: &Outcome) -> Markup {
 
 /// One line for each number of this page.
 const DEFINITIONS: [(&str, &str); 7] = [
-    ("holds, does not hold", "the whole range of the repeats lies inside, or outside, what the claim allows"),
-    ("not decidable here", "the range lies across the limit, a cell failed or is missing, or no record measures it; the reason stands beside it"),
-    ("crossing", "an interval: the last value of the axis at which one method is surely cheaper, and the first at which it is surely dearer"),
-    ("rel_rmse", "√Σ(ΔL)² / √ΣL² of sun-lit radiance over cloud pixels, against the 1000-step truth"),
-    ("leak, darken", "sums of the positive and of the negative half of the error over ΣL; darken is given by its size"),
-    ("cloud_pixel_fraction", "share of pixels whose opacity in the truth exceeds 0.01"),
-    ("look-up", "one evaluation of light through a map; a secondary march has light samples instead"),
+    (
+        "holds, does not hold",
+        "the whole range of the repeats lies inside, or outside, what the claim allows",
+    ),
+    (
+        "not decidable here",
+        "the range lies across the limit, a cell failed or is missing, or no record measures it; the reason stands beside it",
+    ),
+    (
+        "crossing",
+        "an interval: the last value of the axis at which one method is surely cheaper, and the first at which it is surely dearer",
+    ),
+    (
+        "rel_rmse",
+        "√Σ(ΔL)² / √ΣL² of sun-lit radiance over cloud pixels, against the 1000-step truth",
+    ),
+    (
+        "leak, darken",
+        "sums of the positive and of the negative half of the error over ΣL; darken is given by its size",
+    ),
+    (
+        "cloud_pixel_fraction",
+        "share of pixels whose opacity in the truth exceeds 0.01",
+    ),
+    (
+        "look-up",
+        "one evaluation of light through a map; a secondary march has light samples instead",
+    ),
 ];
 
 /// What each number means.
