@@ -273,6 +273,7 @@ impl<'a> Bench<'a> {
             memory: run.prepared.memory,
             time_ms: times(&run.times),
             rounds_total_ms: run.times.iter().filter_map(PassTimes::total).collect(),
+            rounds_generate_ms: run.times.iter().filter_map(|t| t.generate).collect(),
             samples: counts.samples,
             look_ups: counts.look_ups,
             error,

@@ -104,6 +104,7 @@ fn measurements() -> Vec<String> {
             wall: stats,
         },
         rounds_total_ms: Vec::new(),
+        rounds_generate_ms: Vec::new(),
         samples: Samples::default(),
         look_ups: 0,
         error: ErrorNumbers {

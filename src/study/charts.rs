@@ -6,7 +6,7 @@ use super::interval::Interval;
 use super::select::{self, Found, Records};
 use crate::config::{ChartSpec, Pick, Study};
 use crate::error::Result;
-use crate::report::charts::curves::{Curve, Curves, Look, Point, draw};
+use crate::report::charts::curves::{Curve, Curves, Look, Point, Spread, draw};
 use crate::report::format::ms;
 
 /// A chart of the page.
@@ -104,7 +104,7 @@ fn chart(spec: &ChartSpec, records: &Records<'_>, outcome: &Outcome) -> Result<F
         title: format!("{} ({})", spec.title, spec.figure),
         of: unit_of(spec, records),
         x: (spec.along_title.clone(), spec.log_x),
-        y: (spec.metric_title.clone(), spec.log_y),
+        y: (spec.metric_title.clone(), spread(spec)),
         curves,
         levels: spec.relative_to.iter().map(|_| 1.0).collect(),
         source: format!("Measured on {}", outcome.adapter),
@@ -118,6 +118,14 @@ fn chart(spec: &ChartSpec, records: &Records<'_>, outcome: &Outcome) -> Result<F
         missing,
         svg: draw(&chart)?.unwrap_or_default(),
     })
+}
+
+fn spread(spec: &ChartSpec) -> Spread {
+    match spec.log_y {
+        true if spec.metric.ends_with("_bytes") => Spread::Bytes,
+        true => Spread::Log,
+        false => Spread::Linear,
+    }
 }
 
 fn metric_words(metric: &str) -> &str {
@@ -238,7 +246,7 @@ fn residuals(title: &str, own: bool, outcome: &Outcome) -> Result<Option<String>
         title: title.to_owned(),
         of: "Every cell of the study; lines at ±20 %".to_owned(),
         x: ("measured total, ms (log)".to_owned(), true),
-        y: ("predicted ÷ measured (log)".to_owned(), true),
+        y: ("predicted ÷ measured (log)".to_owned(), Spread::Log),
         curves: methods.iter().map(curve).collect(),
         levels: vec![0.8, 1.0, 1.2],
         source: format!("Measured on {}", outcome.adapter),

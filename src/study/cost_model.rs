@@ -16,6 +16,8 @@ use std::collections::BTreeMap;
 pub const COUNTS: [&str; 4] = ["view sample", "light sample", "look-up", "map sample"];
 /// Relative error from which a model owes an explanation.
 const LARGE: f64 = 0.2;
+/// Fewest timed runs of a cell that takes part.
+const FEWEST_RUNS: usize = 3;
 /// Fewest cells that a method's prices are fitted to.
 const FEWEST_CELLS: usize = 6;
 
@@ -80,7 +82,7 @@ pub struct CostModel {
     pub cells: Vec<Cost>,
 }
 
-/// The model of all cells that have a time; `None` without any.
+/// The model of all cells that were timed three times or more; `None` without any.
 pub fn fit(records: &Records<'_>) -> Option<CostModel> {
     let mut cells = Vec::new();
     for (id, report) in records.reports {
@@ -109,7 +111,8 @@ fn cost(experiment: &str, cell: &Cell, time: crate::metrics::Stats) -> Option<Co
         cloud: numbers.cloud_pixel_fraction,
         map_bytes: numbers.memory.map_bytes as f64,
     };
-    (time.median > 0.0 && work(&cost) > 0.0).then_some(cost)
+    let repeated = time.n >= FEWEST_RUNS;
+    (repeated && time.median > 0.0 && work(&cost) > 0.0).then_some(cost)
 }
 
 /// N of eq. 3.5.

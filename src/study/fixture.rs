@@ -42,6 +42,7 @@ impl Made {
         if let Some(result) = &mut cell.result {
             let halves: Vec<f64> = rounds.iter().map(|t| 0.5 * t).collect();
             result.rounds_total_ms = rounds.to_vec();
+            result.rounds_generate_ms = halves.clone();
             result.time_ms.total = summarise(rounds);
             result.time_ms.generate = summarise(&halves);
         }

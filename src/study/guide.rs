@@ -136,13 +136,23 @@ impl Podium<'_> {
         let leaders: Vec<String> = self.leaders.iter().map(shown).collect();
         let lead = match leaders.len() {
             1 => leaders[0].clone(),
-            _ => format!("not told apart: {}", leaders.join(", ")),
+            _ => leaders.join(", "),
         };
         match &self.next {
             Some(next) => format!("{lead}; next {}", shown(next)),
             None => lead,
         }
     }
+}
+
+/// The podium after `take`, or after `tied` where nobody leads alone.
+fn advice(podium: &Podium<'_>, metric: &str, take: &str, tied: &str) -> String {
+    let lead = if podium.leaders.len() == 1 {
+        take
+    } else {
+        tied
+    };
+    format!("{lead} {}", podium.text(unit(metric)))
 }
 
 fn unit(metric: &str) -> &'static str {
@@ -240,7 +250,7 @@ fn within(
     }
     let Some((name, words)) = budget else {
         let podium = podium(entries, metric)?;
-        let text = format!("Take {}.", podium.text(unit(metric)));
+        let text = format!("{}.", advice(&podium, metric, "Take", "Not told apart:"));
         let cells = podium.cells();
         return Ok(vec![Sentence { text, cells }]);
     };
@@ -259,8 +269,8 @@ fn within(
         sentences.push(match podium(fitting, metric) {
             Ok(podium) => Sentence {
                 text: format!(
-                    "With {words} of at most {shown}: take {}.",
-                    podium.text(unit(metric))
+                    "With {words} of at most {shown}: {}.",
+                    advice(&podium, metric, "take", "not told apart:")
                 ),
                 cells: podium.cells(),
             },

@@ -5,12 +5,9 @@
 use super::interval::Interval;
 use crate::batch::record::{Cell, Measured, Report};
 use crate::config::{Pick, Quantity, Series};
-use crate::metrics::{Stats, summarise};
+use crate::metrics::Stats;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
-
-/// Fewest timed runs that tell a spread.
-const FEWEST_RUNS: usize = 3;
 
 /// Reports of a study's experiments by id, and its series.
 #[derive(Clone, Copy)]
@@ -210,11 +207,12 @@ pub fn value_of(cell: &Cell, axis: &str) -> Option<f64> {
 pub fn metric(found: &Found<'_>, name: &str) -> Result<Interval, String> {
     let numbers = found.numbers;
     let (time, error, memory) = (&numbers.time_ms, &numbers.error, &numbers.memory);
-    let missing = || format!("{} has no {name}", found.cell.method);
     let exact = match name {
-        "total_ms" => return spread(found.report.clock().cost(time), name),
-        "generate_ms" => return spread(time.generate, name),
-        "march_ms" => return spread(time.march, name),
+        "total_ms" => {
+            let stats = found.report.clock().cost(time);
+            return spread(&numbers.rounds_total_ms, stats, name);
+        }
+        "generate_ms" => return spread(&numbers.rounds_generate_ms, time.generate, name),
         "payload_bytes" => Some(memory.payload_bytes as f64),
         "map_bytes" => Some(memory.map_bytes as f64),
         "rel_rmse" => Some(error.rel_rmse),
@@ -230,40 +228,36 @@ pub fn metric(found: &Found<'_>, name: &str) -> Result<Interval, String> {
         "cloud_pixel_fraction" => Some(numbers.cloud_pixel_fraction),
         _ => return Err(format!("no number is named `{name}`")),
     };
+    let missing = || format!("{} has no {name}", found.cell.method);
     exact.map(Interval::exact).ok_or_else(missing)
 }
 
-fn spread(stats: Option<Stats>, name: &str) -> Result<Interval, String> {
+/// A time by its rounds; by its statistics where the rounds are not recorded, as with the wall clock.
+fn spread(rounds: &[f64], stats: Option<Stats>, name: &str) -> Result<Interval, String> {
     let stats = stats.ok_or_else(|| format!("the adapter gives no {name}"))?;
-    if stats.n < FEWEST_RUNS {
-        return Err(format!(
-            "{} timed {} tell no spread",
-            stats.n,
-            if stats.n == 1 { "run" } else { "runs" }
-        ));
+    if rounds.is_empty() {
+        let repeats = vec![stats.median; stats.n];
+        return Interval::of_repeats(&repeats).map(|median| Interval {
+            low: stats.min,
+            high: stats.p95,
+            ..median
+        });
     }
-    // Of fewer than 20 runs the 95th percentile by nearest rank is the largest.
-    Ok(Interval {
-        low: stats.min,
-        value: stats.median,
-        high: stats.p95,
-    })
+    Interval::of_repeats(rounds)
 }
 
-/// Ratio of a number of two cells; total times of one view are divided round by round.
+/// Ratio of a number of two cells; device times of one view are divided round by round.
 pub fn ratio(of: &Found<'_>, to: &Found<'_>, name: &str) -> Result<Interval, String> {
-    let (a, b) = (&of.numbers.rounds_total_ms, &to.numbers.rounds_total_ms);
+    let rounds = |found: &Found<'_>| match name {
+        "total_ms" => found.numbers.rounds_total_ms.clone(),
+        "generate_ms" => found.numbers.rounds_generate_ms.clone(),
+        _ => Vec::new(),
+    };
+    let (a, b) = (rounds(of), rounds(to));
     let same_view = of.experiment == to.experiment && of.numbers.reference == to.numbers.reference;
-    if name == "total_ms" && same_view && a.len() == b.len() && a.len() >= FEWEST_RUNS {
-        let ratios: Vec<f64> = a.iter().zip(b).map(|(a, b)| a / b).collect();
-        if let Some(stats) = summarise(&ratios) {
-            let high = ratios.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            return Ok(Interval {
-                low: stats.min,
-                value: stats.median,
-                high,
-            });
-        }
+    if same_view && !a.is_empty() && a.len() == b.len() && b.iter().all(|ms| *ms > 0.0) {
+        let ratios: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a / b).collect();
+        return Interval::of_repeats(&ratios);
     }
     metric(of, name)?.over(metric(to, name)?)
 }

@@ -2,7 +2,7 @@
 
 use super::super::style::Style;
 use super::axis::Axis;
-use super::canvas::{INK, MUTED, ink_of, sheet};
+use super::canvas::{MUTED, ink_of, sheet};
 use super::plot::{Key, Plot, foot, legend, title};
 use crate::error::Result;
 
@@ -32,6 +32,17 @@ pub enum Look {
     Published,
 }
 
+/// How a vertical axis is spread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spread {
+    /// From 0.
+    Linear,
+    /// Logarithmic.
+    Log,
+    /// Logarithmic, in binary units of bytes.
+    Bytes,
+}
+
 /// One curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
@@ -54,8 +65,8 @@ pub struct Curves {
     pub of: String,
     /// Title of the horizontal axis and whether it is logarithmic; then curves get a tick at each value.
     pub x: (String, bool),
-    /// Title of the vertical axis and whether it is logarithmic; else it starts at 0.
-    pub y: (String, bool),
+    /// Title of the vertical axis and how it is spread.
+    pub y: (String, Spread),
     /// Curves in the order of the legend.
     pub curves: Vec<Curve>,
     /// Values of y with a line across.
@@ -87,11 +98,11 @@ pub fn draw(chart: &Curves) -> Result<Option<String>> {
             .collect();
         let top = legend(canvas, top, &keys)?;
         let loose = chart.curves.iter().all(|curve| curve.look == Look::Points);
-        let x = axis(&chart.x, !loose, points().map(|p| p.x));
+        let x = x_axis(&chart.x, loose, points().map(|p| p.x));
         let ends = points()
             .flat_map(|p| [p.low, p.high])
             .chain(chart.levels.clone());
-        let y = axis(&chart.y, false, ends);
+        let y = y_axis(&chart.y, ends);
         let plot = Plot::new(top, height, 84, x, y);
         plot.draw(canvas)?;
         let [left, _, right, _] = plot.bounds;
@@ -115,7 +126,7 @@ pub fn draw(chart: &Curves) -> Result<Option<String>> {
             for (point, at) in curve.points.iter().zip(&path) {
                 if point.high > point.low {
                     let ends = [(at.0, plot.py(point.low)), (at.0, plot.py(point.high))];
-                    canvas.line(&ends, INK, 1)?;
+                    canvas.line(&ends, ink_of(style), 1)?;
                 }
                 canvas.marker(*at, 4.0, style, curve.look == Look::Published)?;
             }
@@ -125,15 +136,23 @@ pub fn draw(chart: &Curves) -> Result<Option<String>> {
     Ok(Some(svg))
 }
 
-fn axis(
+fn x_axis(
     (title, log): &(String, bool),
-    marked: bool,
+    loose: bool,
     values: impl Iterator<Item = f64> + Clone,
 ) -> Axis {
-    match (log, marked) {
-        (true, true) => Axis::log_at(title, values),
-        (true, false) => Axis::log(title, "0", values),
+    match (log, loose) {
+        (true, false) => Axis::log_at(title, values),
+        (true, true) => Axis::log(title, "0", values),
         (false, _) => Axis::from_zero(title, values),
+    }
+}
+
+fn y_axis((title, spread): &(String, Spread), values: impl Iterator<Item = f64> + Clone) -> Axis {
+    match spread {
+        Spread::Linear => Axis::from_zero(title, values),
+        Spread::Log => Axis::log(title, "0", values),
+        Spread::Bytes => Axis::bytes(title, "0", values),
     }
 }
 

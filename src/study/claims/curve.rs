@@ -69,9 +69,14 @@ pub fn straight(
     Ok(Finding::new(verdict, text, &cells))
 }
 
-/// A deviation against its limit, where `noise` of it may be due to the repeats.
+/// A deviation against its limit, where `noise` of it may be due to the repeats: it holds only where noise would not
+/// hide more than the limit.
 fn limited(deviation: f64, noise: f64, limit: f64) -> Verdict {
-    Verdict::within((deviation - noise).max(0.0), deviation, (0.0, limit))
+    Verdict::within(
+        (deviation - noise).max(0.0),
+        deviation.max(noise),
+        (0.0, limit),
+    )
 }
 
 /// Least squares: intercept and slope.

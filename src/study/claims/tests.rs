@@ -95,7 +95,7 @@ fn failed_and_missing_cells_and_single_runs_are_not_decidable() {
     made.reports[0].1.cells.pop();
     made.cell("b", json!({"steps": 1}), &[10.0]);
     assert!(
-        reason(&made).contains("1 timed run tell no spread"),
+        reason(&made).contains("1 timed runs tell no spread"),
         "{}",
         reason(&made)
     );

@@ -34,11 +34,11 @@ pub fn write(
         (headline(study, outcome))
         main {
             (tables::claims(outcome))
-            (tables::evidence(outcome))
             (charts(figures))
             (pictures::section(folder, study, records))
             (tables::errata(outcome))
             (tables::cost_model(outcome, figures))
+            (tables::evidence(outcome))
             (experiments(study, records))
             (tables::definitions())
         }
@@ -88,8 +88,8 @@ fn headline(study: &Study, outcome: &Outcome) -> Markup {
                 @else { "No cell failed." }
             }
             p.tally {
-                @for verdict in [Verdict::Holds, Verdict::Fails, Verdict::Undecidable] {
-                    span class=(class(verdict)) { (count(verdict)) " " (verdict.words()) }
+                @for (verdict, words) in [(Verdict::Holds, "hold"), (Verdict::Fails, "do not hold"), (Verdict::Undecidable, "not decidable here")] {
+                    span class=(class(verdict)) { (count(verdict)) " " (words) }
                 }
             }
             p.note {
@@ -99,8 +99,8 @@ fn headline(study: &Study, outcome: &Outcome) -> Markup {
             nav {
                 a href="./guide.html" { strong { "Which method when?" } }
                 @for (anchor, text) in [
-                    ("claims", "Claims"), ("evidence", "Evidence"), ("charts", "Charts"), ("pictures", "Pictures"), ("errata", "Errata"),
-                    ("cost", "Cost model"), ("experiments", "Experiments"), ("definitions", "Definitions"),
+                    ("claims", "Claims"), ("charts", "Charts"), ("pictures", "Pictures"), ("errata", "Errata"),
+                    ("cost", "Cost model"), ("evidence", "Evidence"), ("experiments", "Experiments"), ("definitions", "Definitions"),
                 ] { a href={ "#" (anchor) } { (text) } }
             }
         }
