@@ -1,5 +1,6 @@
 //! The extremes: stable forms hold where published ones end. All but one test run on the oracle alone.
 
+#[macro_use]
 mod common;
 
 use common::{box_scene, on_gpu, setup, size};
@@ -199,6 +200,7 @@ fn maps_of_few_texels_cover_the_view() {
 /// A view that sees nothing of the layer has L_max = 0: fronts must not be stored as 0/0.
 #[test]
 fn a_map_of_nothing_is_stored_finite() {
+    needs_adapter!();
     let mut scene = box_scene([0.0; 3], [800.0; 3], 0.01);
     scene.camera.target_m = [400.0, 400.0, -9e3];
     let scenes = [scene];
