@@ -6,7 +6,8 @@
 //! ```
 //!
 //! [`oracle`] renders the same scenes and methods in f64 on the CPU: the independent check. [`backend`] is the door to
-//! both: a device, or the oracle where there is none.
+//! both: a device, or the oracle where there is none. [`study`] stands behind the report: a published comparison done
+//! again, from a file of experiments, charts and claims.
 //!
 //! Dependencies point right to left only. World axes: y up, right-handed, origin on the ground under the scene's
 //! centre. Units: metres, m⁻¹, degrees in files and radians in code, linear radiance with sRGB primaries.
@@ -32,6 +33,7 @@ pub mod raymarch;
 pub mod report;
 pub mod scene;
 pub mod stability;
+pub mod study;
 #[cfg(feature = "ui")]
 pub mod ui;
 

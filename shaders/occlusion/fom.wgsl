@@ -3,6 +3,7 @@
 //   a₀ = 2Σσ Δs,  a_k = 2Σσ cos(2πk x) Δs,  b_k = 2Σσ sin(2πk x) Δs,  x = d/depth_m or (d − front)/(back − front)
 //   τ(x) = a₀x/2 + Σ_k w_k [a_k sin 2πkx + b_k (1 − cos 2πkx)]/(2πk),   V = exp(−max(0, τ))
 //   published: accumulates −2 ln(1 − α), α = 1 − exp(−σΔs), in place of 2σΔs: the same number until α rounds to 1 (τ ≈ 17.3)
+//   SINES_FIRST: b₁ in place of every b_k;  STEP_LENGTH_METRE: Δs = 1 m: misprints of thesis M, Algorithms 8 and 7
 //   window w_k: none 1 | lanczos sinc(k/(n+1)) | fejer 1 − k/(n+1), which makes τ monotone
 //
 // Harmonics by recurrence from one sine and cosine of the reduced angle 2π·fract(x) − π: WGSL promises 2⁻¹¹ only there.
@@ -67,7 +68,11 @@ fn encode(column: Column) {
         if sigma <= 0.0 {
             continue;
         }
+#ifdef STEP_LENGTH_METRE
+        let thickness = 2.0 * optical_thickness(sigma, 1.0);
+#else
         let thickness = 2.0 * optical_thickness(sigma, column.step_m);
+#endif
         let base = unit_rotation(series_position(sample_depth(column, k) / map.depth_m, edges.x, edges.y));
         var harmonic = base;
         values[0] += thickness;
@@ -124,7 +129,12 @@ fn transmittance(tap: Tap, depth: f32) -> f32 {
     var harmonic = base;
     var tau = 0.5 * values[0] * x;
     for (var k = 1u; k <= ORDER; k++) {
-        let wave = values[2u * k - 1u] * harmonic.y + values[2u * k] * (1.0 - harmonic.x);
+#ifdef SINES_FIRST
+        let sine = values[2];
+#else
+        let sine = values[2u * k];
+#endif
+        let wave = values[2u * k - 1u] * harmonic.y + sine * (1.0 - harmonic.x);
         tau += window(k) * wave / (TWO_PI * f32(k));
         harmonic = rotate(harmonic, base);
     }

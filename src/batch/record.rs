@@ -147,8 +147,14 @@ pub struct Measured {
     /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. Empty without
     /// timestamps.
     pub rounds_total_ms: Vec<f64>,
+    /// Time of the map pass in each round, ms, likewise. Empty without a map.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rounds_generate_ms: Vec<f64>,
     /// Density samples, from an untimed counting pipeline.
     pub samples: Samples,
+    /// Light look-ups in a map, from the same pipeline; 0 without a map.
+    #[serde(default)]
+    pub look_ups: u64,
     /// Against the truth.
     pub error: ErrorNumbers,
     /// The error's three parts, where the experiment asks for them.

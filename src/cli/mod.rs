@@ -8,6 +8,7 @@ mod progress;
 mod render;
 mod scene;
 mod stability;
+mod study;
 #[cfg(feature = "ui")]
 mod view;
 
@@ -44,6 +45,8 @@ enum Command {
     Diff(diff::Diff),
     /// Push every method to where its numbers end, on the oracle and on the device.
     Stability(stability::Stability),
+    /// Do a published comparison again: its experiments, figures and claims; without a name the studies are listed.
+    Study(study::Study),
     /// List the light-occlusion methods and their parameters.
     Methods(info::Json),
     /// List the adapters of this machine.
@@ -117,6 +120,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Probe(c) => c.run(),
         Command::Diff(c) => c.run(),
         Command::Stability(c) => c.run(),
+        Command::Study(c) => c.run(),
         Command::Methods(c) => info::methods(&c),
         Command::Adapters(c) => info::adapters(&c),
         Command::Schema => info::schema(),

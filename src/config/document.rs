@@ -125,13 +125,19 @@ impl Document {
         })
     }
 
-    /// The object at `pointer` as a document of its own, whose errors name its place in this file.
+    /// The value at `pointer` as a document of its own, whose errors name its place in this file.
     pub(super) fn inside(&self, pointer: &str) -> Self {
+        let value = self.value.pointer(pointer).cloned().unwrap_or_default();
+        self.part(value, pointer)
+    }
+
+    /// `value` as a document of its own, which stands at `base` of this file: errors name the places there.
+    pub(super) fn part(&self, value: Value, base: &str) -> Self {
         Self {
             path: self.path.clone(),
             text: self.text.clone(),
-            value: self.value.pointer(pointer).cloned().unwrap_or_default(),
-            base: format!("{}{pointer}", self.base),
+            value,
+            base: format!("{}{base}", self.base),
         }
     }
 

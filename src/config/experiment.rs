@@ -159,7 +159,7 @@ impl Experiment {
     }
 }
 
-fn from_document(document: Document) -> Result<Experiment> {
+pub(super) fn from_document(document: Document) -> Result<Experiment> {
     let file: File = document.get("")?;
     check_name(&file.name)
         .map_err(|problem| document.error("/name", problem, "Give the experiment a short name."))?;

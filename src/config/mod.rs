@@ -14,6 +14,7 @@ mod matrix;
 mod methods;
 mod schema;
 mod stability;
+mod study;
 mod suggest;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,10 @@ pub use matrix::{CellSpec, MAX_CELLS, Matrix, View, describe, expand};
 pub use methods::MethodCatalogue;
 pub use schema::schema;
 pub use stability::{Extreme, Fill, Stability, VolumeFile, load_stability, parse_stability};
+pub use study::{
+    ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,
+    Study, StudyExperiment, Test, load_study, parse_study, study_profiles,
+};
 
 use crate::error::Result;
 use crate::scene::Scene;

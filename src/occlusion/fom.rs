@@ -40,6 +40,24 @@ const PARAMS: &[ParamSpec] = &[
             default: "map",
         },
     },
+    ParamSpec {
+        name: "sines",
+        unit: "",
+        doc: "Sine coefficients of the look-up: each harmonic's own, or the first one in every harmonic, which reproduces a misprint (thesis M, Algorithm 8).",
+        kind: ParamKind::Choice {
+            options: &["own", "first"],
+            default: "own",
+        },
+    },
+    ParamSpec {
+        name: "step_length",
+        unit: "",
+        doc: "What a step weighs: its own length, or one metre, which reproduces a misprint (thesis M, Algorithm 7, sums without it).",
+        kind: ParamKind::Choice {
+            options: &["own", "metre"],
+            default: "own",
+        },
+    },
     FORM,
 ];
 
@@ -62,6 +80,8 @@ impl LightOcclusion for Fom {
             order: params.int("order")?,
             window: params.choice("window")?,
             bounded: params.choice("bounds")? == "texel",
+            first_sine: params.choice("sines")? == "first",
+            metre: params.choice("step_length")? == "metre",
             published: params.choice("form")? == "published",
         })))
     }
@@ -96,6 +116,10 @@ struct Fourier {
     order: u32,
     window: &'static str,
     bounded: bool,
+    /// b₁ stands for every b_k of the look-up.
+    first_sine: bool,
+    /// A step counts as one metre long.
+    metre: bool,
     published: bool,
 }
 
@@ -154,7 +178,9 @@ impl Encoding for Fourier {
     fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64> {
         let interval = self.interval(column);
         let mut values = vec![0.0; 2 * self.order as usize + 1];
-        for (step, thickness) in column.thicknesses().enumerate() {
+        let length_m = if self.metre { 1.0 } else { column.step_m };
+        for (step, extinction_per_m) in column.extinction_per_m.iter().enumerate() {
+            let thickness = extinction_per_m * length_m;
             if thickness <= 0.0 {
                 continue;
             }
@@ -188,7 +214,8 @@ impl Encoding for Fourier {
         let mut tau = 0.5 * values[0] * x;
         for k in 1..=self.order {
             let angle = TAU * f64::from(k) * x;
-            let (a, b) = (values[2 * k as usize - 1], values[2 * k as usize]);
+            let sine = if self.first_sine { 1 } else { k };
+            let (a, b) = (values[2 * k as usize - 1], values[2 * sine as usize]);
             let wave = a * angle.sin() + b * (1.0 - angle.cos());
             tau = rounding.computed(tau + self.window(k) * wave / (TAU * f64::from(k)));
         }

@@ -137,9 +137,9 @@ pub const MAP_PARAMS: &[ParamSpec] = &[
     ParamSpec {
         name: "sampling",
         unit: "",
-        doc: "Where a step is sampled: its midpoint, or its far end as in thesis M.",
+        doc: "Where a step is sampled: its midpoint, or its far end as in thesis M. quadratic reproduces a misprint (thesis M, Algorithm 7): step k of n is sampled at k(k+1)/(n(n−1)) of the column but counts at k/n.",
         kind: ParamKind::Choice {
-            options: &["midpoint", "end"],
+            options: &["midpoint", "end", "quadratic"],
             default: "midpoint",
         },
     },

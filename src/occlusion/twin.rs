@@ -69,7 +69,7 @@ pub struct Column {
     pub depth_m: f64,
     /// Length of a step, metres.
     pub step_m: f64,
-    /// Where in its step a sample lies: 0.5 midpoint, 1 far end.
+    /// Where in its step a sample counts: 0.5 midpoint, 1 far end, 0 near end.
     pub fraction: f64,
     /// Extinction of each step, m⁻¹.
     pub extinction_per_m: Vec<f64>,
@@ -95,12 +95,21 @@ impl Front {
 }
 
 impl Column {
-    /// Marches `ray` in `steps` equal steps; `sampling` is `midpoint` or `end`.
+    /// Marches `ray` in `steps` equal steps; `sampling` is `midpoint`, `end` or `quadratic` (see the map's parameter).
     pub fn march(ray: &dyn LightRay, steps: u32, sampling: &str, depth_m: f64) -> Self {
         let length_m = ray.length_m();
-        let step_m = length_m / f64::from(steps);
-        let fraction = if sampling == "end" { 1.0 } else { 0.5 };
-        let sample = |k: u32| ray.extinction_per_m((f64::from(k) + fraction) * step_m);
+        let n = f64::from(steps);
+        let step_m = length_m / n;
+        let fraction = match sampling {
+            "end" => 1.0,
+            "quadratic" => 0.0,
+            _ => 0.5,
+        };
+        let travelled = |k: f64| match sampling {
+            "quadratic" => k * (k + 1.0) / (n - 1.0).max(1.0),
+            _ => k + fraction,
+        };
+        let sample = |k: u32| ray.extinction_per_m(travelled(f64::from(k)) * step_m);
         Self {
             length_m,
             depth_m,

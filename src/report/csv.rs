@@ -112,7 +112,9 @@ fn measurements() -> Vec<String> {
             wall: stats,
         },
         rounds_total_ms: Vec::new(),
+        rounds_generate_ms: Vec::new(),
         samples: Samples::default(),
+        look_ups: 0,
         error: ErrorNumbers {
             floor_rel_rmse: Some(0.0),
             flicker: Some(0.0),

@@ -202,11 +202,13 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
                 wall: Some(time(generate + march + 1.7)),
             },
             rounds_total_ms: vec![generate + march; 3],
+            rounds_generate_ms: Vec::new(),
             samples: Samples {
                 view: 9_123_456,
                 light: if *method == "srm" { 88_123_456 } else { 0 },
                 map: values * 1000,
             },
+            look_ups: if *values > 0 { 9_000_000 } else { 0 },
             error: errors(rel_rmse, *values > 0),
             decomposition: (scene == HOSTILE).then(|| Decomposition {
                 model_rel_rmse: 0.8 * rel_rmse,

@@ -11,24 +11,24 @@
 //!                        └──────► page   ◄─────────────────┘─► index.html (one file, no network)
 //! ```
 //!
-//! Nothing outside this module names plotters or maud. Pictures are only read: they are the files that the records
-//! name, inside the folder.
+//! Nothing outside this module names plotters, and nothing but the pages of `study` names maud. Pictures are only read:
+//! they are the files that the records name, inside the folder.
 
-mod charts;
+pub(crate) mod charts;
 mod contact;
 mod csv;
-mod files;
+pub(crate) mod files;
 pub(crate) mod format;
-mod page;
+pub(crate) mod page;
 mod pareto;
 mod records;
 mod shown;
 mod stability;
 pub(crate) mod style;
-mod view;
+pub(crate) mod view;
 
 #[cfg(test)]
-mod fixture;
+pub(crate) mod fixture;
 #[cfg(test)]
 mod tests;
 

@@ -3,6 +3,7 @@
 mod axis;
 mod bars;
 pub mod canvas;
+pub mod curves;
 mod errors;
 pub mod extremes;
 mod ghosting;

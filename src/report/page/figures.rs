@@ -34,7 +34,7 @@ fn grid(charts: &[&Chart]) -> Markup {
 }
 
 /// The SVG without its fixed size, so that it fills the room it has. Its text is already escaped.
-fn fluid(svg: &str) -> String {
+pub fn fluid(svg: &str) -> String {
     let fixed = format!("<svg width=\"{WIDTH}\" height=\"");
     match svg
         .strip_prefix(&fixed)

@@ -1,12 +1,12 @@
 //! `index.html`: the whole report as one page that needs no network.
 
-mod album;
+pub(crate) mod album;
 mod choose;
 mod errors;
-mod figures;
+pub(crate) mod figures;
 mod frontier;
-pub(super) mod parts;
-mod pictures;
+pub(crate) mod parts;
+pub(crate) mod pictures;
 mod table;
 mod tail;
 mod temporal;

@@ -80,7 +80,7 @@ fn row(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &Album) -> Mark
         .and_then(|v| v.as_str())
         .and_then(|n| album.link(n));
     html! {
-        tr data-view=(case.number) data-setting=(setting_key(shot)) data-error=(shot.rel_rmse())
+        tr id={ "cell-" (shot.cell.index) } data-view=(case.number) data-setting=(setting_key(shot)) data-error=(shot.rel_rmse())
             data-ms=[shot.time_ms()] data-bytes=(shot.numbers.memory.map_bytes) {
             td.n data-v=(shot.cell.index) { (shot.cell.index) }
             td title=(case.name) { (case.name) }

@@ -1,0 +1,306 @@
+//! The study file: a named set of experiments with the charts, claims, errata and questions that are asked of their records.
+//!
+//! ```json
+//! { "name": "m", "title": "…", "source": "…",
+//!   "profiles": {"quick": {"about": "…", "values": {"maps": [32, 64]}}, "full": {"about": "…", "values": {"maps": [256, 512]}}},
+//!   "series": {"srm10": {"method": "srm", "at": {"steps": 10}}},
+//!   "experiments": [{"id": "map", "title": "…", "matrix": {"image": …, "methods": [{"method": "esm", "resolution": "$maps"}]}}],
+//!   "charts": […], "claims": […], "errata": […], "guide": […] }
+//! ```
+//!
+//! A string `$NAME` anywhere below stands for the value of that name in the chosen profile. A matrix is an experiment
+//! without its name, which the study gives; scene paths are relative to the study file.
+
+mod spec;
+
+pub use spec::{
+    ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,
+    Test,
+};
+
+use super::document::Document;
+use super::experiment::{self, Experiment};
+use super::{locate, suggest};
+use crate::error::Result;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// A checked study file at one of its profiles.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// Short name; it names the report folder.
+    pub name: String,
+    /// Heading of the page.
+    pub title: String,
+    /// What is reproduced: author, year, kind of text.
+    pub source: String,
+    /// Name of the profile.
+    pub profile: String,
+    /// What sets the profile apart, in a sentence or two.
+    pub about: String,
+    /// Curves and columns by name.
+    pub series: BTreeMap<String, Series>,
+    /// Experiments in file order. Never empty.
+    pub experiments: Vec<StudyExperiment>,
+    /// Charts in file order.
+    pub charts: Vec<ChartSpec>,
+    /// Experiments whose pictures are shown beside their truth.
+    pub pictures: Vec<String>,
+    /// Claims in file order.
+    pub claims: Vec<ClaimSpec>,
+    /// Defects of the text in file order.
+    pub errata: Vec<Erratum>,
+    /// Questions that the guide answers.
+    pub guide: Vec<Question>,
+}
+
+/// One experiment of a study.
+#[derive(Clone, Debug)]
+pub struct StudyExperiment {
+    /// Names the folder of its report: lower-case letters, digits, hyphens.
+    pub id: String,
+    /// One line on what it measures.
+    pub title: String,
+    /// The matrix.
+    pub experiment: Experiment,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: String,
+    title: String,
+    source: String,
+    profiles: BTreeMap<String, FileProfile>,
+    series: BTreeMap<String, Series>,
+    experiments: Vec<FileExperiment>,
+    #[serde(default)]
+    charts: Vec<ChartSpec>,
+    #[serde(default)]
+    pictures: Vec<String>,
+    #[serde(default)]
+    claims: Vec<ClaimSpec>,
+    #[serde(default)]
+    errata: Vec<Erratum>,
+    #[serde(default)]
+    guide: Vec<Question>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileProfile {
+    about: String,
+    #[serde(default)]
+    values: Map<String, Value>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileExperiment {
+    id: String,
+    title: String,
+    matrix: Map<String, Value>,
+}
+
+/// Reads a study at `profile`.
+pub fn load_study(path: &Path, profile: &str) -> Result<Study> {
+    from_document(&Document::read(path)?, profile)
+}
+
+/// A study from text; `path` is for messages and for what is relative to it, and need not exist.
+pub fn parse_study(path: &Path, text: String, profile: &str) -> Result<Study> {
+    from_document(&Document::parse(path, text)?, profile)
+}
+
+/// Title and names of the profiles of a study file, for lists.
+pub fn study_profiles(path: &Path) -> Result<(String, Vec<String>)> {
+    let document = Document::read(path)?;
+    let title: String = document.get("/title")?;
+    let profiles: BTreeMap<String, Value> = document.get("/profiles")?;
+    Ok((title, profiles.into_keys().collect()))
+}
+
+fn from_document(document: &Document, profile: &str) -> Result<Study> {
+    let profiles: BTreeMap<String, FileProfile> = document.get("/profiles")?;
+    let Some(chosen) = profiles.get(profile) else {
+        let names: Vec<&str> = profiles.keys().map(String::as_str).collect();
+        let problem = format!("there is no profile `{profile}`");
+        let remedy = format!("Choose one of: {}.", names.join(", "));
+        return Err(document.error("/profiles", problem, remedy));
+    };
+    let filled = fill(document, profile, &chosen.values)?;
+    let file: File = filled.get("")?;
+    check_names(&filled, &file)?;
+    let experiments = (0..file.experiments.len())
+        .map(|i| study_experiment(&filled, &file, i))
+        .collect::<Result<_>>()?;
+    let about = file.profiles[profile].about.clone();
+    Ok(Study {
+        name: file.name,
+        title: file.title,
+        source: file.source,
+        profile: profile.to_owned(),
+        about,
+        series: file.series,
+        experiments,
+        charts: file.charts,
+        pictures: file.pictures,
+        claims: file.claims,
+        errata: file.errata,
+        guide: file.guide,
+    })
+}
+
+/// The document with each `$NAME` replaced; every value of the profile must be used.
+fn fill(document: &Document, profile: &str, values: &Map<String, Value>) -> Result<Document> {
+    let mut value = document.value().clone();
+    let mut used = BTreeSet::new();
+    if let Some(members) = value.as_object_mut() {
+        for (key, member) in members.iter_mut().filter(|(key, _)| *key != "profiles") {
+            let place = locate::step(key);
+            replace(document, &place, member, values, &mut used)?;
+        }
+    }
+    if let Some(unused) = values.keys().find(|name| !used.contains(*name)) {
+        let place = format!(
+            "/profiles{}/values{}",
+            locate::step(profile),
+            locate::step(unused)
+        );
+        let problem = format!("nothing uses `${unused}`");
+        return Err(document.error_at_key(&place, problem, "Remove it, or correct the name."));
+    }
+    Ok(document.part(value, ""))
+}
+
+fn replace(
+    document: &Document,
+    place: &str,
+    value: &mut Value,
+    values: &Map<String, Value>,
+    used: &mut BTreeSet<String>,
+) -> Result<()> {
+    match value {
+        Value::String(text) => {
+            let Some(name) = text.strip_prefix('$') else {
+                return Ok(());
+            };
+            let Some(new) = values.get(name) else {
+                let names = values.keys().map(String::as_str);
+                let remedy = format!(
+                    "{}Values stand under `profiles`.",
+                    suggest::sentence(name, names)
+                );
+                let problem = format!("the profile has no value `{name}`");
+                return Err(document.error(place, problem, remedy));
+            };
+            used.insert(name.to_owned());
+            *value = new.clone();
+            Ok(())
+        }
+        Value::Array(items) => items.iter_mut().enumerate().try_for_each(|(i, item)| {
+            replace(document, &format!("{place}/{i}"), item, values, used)
+        }),
+        Value::Object(members) => members.iter_mut().try_for_each(|(key, member)| {
+            let place = format!("{place}{}", locate::step(key));
+            replace(document, &place, member, values, used)
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Ids that name folders and anchors, and references between the parts of the file.
+fn check_names(document: &Document, file: &File) -> Result<()> {
+    let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    let named = |name: &str| !name.is_empty() && name.len() <= 60 && name.chars().all(plain);
+    if !named(&file.name) {
+        let remedy = "Use 1 to 60 lower-case letters, digits and hyphens.";
+        return Err(document.error("/name", "it cannot name a folder", remedy));
+    }
+    if file.experiments.is_empty() {
+        return Err(document.error("/experiments", "the list is empty", "Name an experiment."));
+    }
+    let mut ids = BTreeSet::new();
+    for (i, experiment) in file.experiments.iter().enumerate() {
+        if !named(&experiment.id) || !ids.insert(experiment.id.as_str()) {
+            let problem = "it cannot name a folder, or names it twice";
+            let remedy = "Use 1 to 60 lower-case letters, digits and hyphens.";
+            return Err(document.error(&format!("/experiments/{i}/id"), problem, remedy));
+        }
+    }
+    if let Some(i) = file.charts.iter().position(|chart| !named(&chart.id)) {
+        let problem = format!("`{}` cannot name a file", file.charts[i].id);
+        let remedy = "Use 1 to 60 lower-case letters, digits and hyphens.";
+        return Err(document.error(&format!("/charts/{i}/id"), problem, remedy));
+    }
+    let lists = ["/charts", "/pictures", "/claims", "/errata", "/guide"];
+    lists.iter().try_for_each(|list| {
+        let value = document.value().pointer(list).unwrap_or(&Value::Null);
+        check_references(document, list, value, &ids, &file.series)
+    })
+}
+
+/// Every `experiment` and `series` below `place` must exist.
+fn check_references(
+    document: &Document,
+    place: &str,
+    value: &Value,
+    ids: &BTreeSet<&str>,
+    series: &BTreeMap<String, Series>,
+) -> Result<()> {
+    let known = |place: &str, what: &str, name: &str| {
+        let (exists, names): (bool, Vec<&str>) = match what {
+            "series" => (
+                series.contains_key(name),
+                series.keys().map(String::as_str).collect(),
+            ),
+            _ => (ids.contains(name), ids.iter().copied().collect()),
+        };
+        if exists {
+            return Ok(());
+        }
+        let hint = suggest::sentence(name, names.iter().copied());
+        let remedy = format!("{hint}Known are {}.", names.join(", "));
+        Err(document.error(place, format!("there is no {what} `{name}`"), remedy))
+    };
+    match value {
+        Value::Array(items) => items.iter().enumerate().try_for_each(|(i, item)| {
+            let place = format!("{place}/{i}");
+            match item {
+                Value::String(id) if place.starts_with("/pictures/") => {
+                    known(&place, "experiment", id)
+                }
+                Value::String(name) if place.contains("/series/") => known(&place, "series", name),
+                _ => check_references(document, &place, item, ids, series),
+            }
+        }),
+        Value::Object(members) => members.iter().try_for_each(|(key, member)| {
+            let place = format!("{place}{}", locate::step(key));
+            match (key.as_str(), member) {
+                ("experiment", Value::String(id)) => known(&place, "experiment", id),
+                ("series" | "relative_to", Value::String(name)) => known(&place, "series", name),
+                _ => check_references(document, &place, member, ids, series),
+            }
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn study_experiment(document: &Document, file: &File, i: usize) -> Result<StudyExperiment> {
+    let entry = &file.experiments[i];
+    let mut matrix = entry.matrix.clone();
+    let name = format!("Study {} · {}", file.name, entry.title);
+    if matrix.insert("name".to_owned(), name.into()).is_some() {
+        let place = format!("/experiments/{i}/matrix/name");
+        let remedy = "Remove it: the study names its experiments by their titles.";
+        return Err(document.error_at_key(&place, "the name is not given here", remedy));
+    }
+    let part = document.part(Value::Object(matrix), &format!("/experiments/{i}/matrix"));
+    Ok(StudyExperiment {
+        id: entry.id.clone(),
+        title: entry.title.clone(),
+        experiment: experiment::from_document(part)?,
+    })
+}

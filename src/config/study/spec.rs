@@ -1,0 +1,320 @@
+//! What a study asks of the records of its experiments: types of the file, no logic.
+//!
+//! Axes are named by what they vary: a parameter of the method (`steps`), a scene member by JSON pointer
+//! (`/sun/elevation_deg`), `width`, `height` or `pixels` of the picture, or the measured `cloud_pixel_fraction`.
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+/// A method and the axis values that pick its cells.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Series {
+    /// Method id.
+    pub method: String,
+    /// Axis values that a cell must have.
+    #[serde(default)]
+    pub at: Map<String, Value>,
+    /// Words for legends; default: the series' name.
+    #[serde(default)]
+    pub label: Option<String>,
+}
+
+/// Cells of an experiment: those of a series at further axis values.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pick {
+    /// Id of the experiment.
+    pub experiment: String,
+    /// Name of the series.
+    pub series: String,
+    /// Axis values besides those of the series.
+    #[serde(default)]
+    pub at: Map<String, Value>,
+}
+
+/// A number of one cell, or the difference of two.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Quantity {
+    /// Which number, e.g. `total_ms`.
+    pub metric: String,
+    /// The cell.
+    pub of: Pick,
+    /// The cell whose number is subtracted.
+    #[serde(default)]
+    pub minus: Option<Pick>,
+}
+
+/// What is tested. Limits are inclusive; a missing upper limit is no limit.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Test {
+    /// A number lies between limits.
+    Range {
+        /// The number.
+        of: Box<Quantity>,
+        /// Lower and upper limit.
+        between: (f64, Option<f64>),
+    },
+    /// The ratio of two numbers lies between limits; times of one view are divided round by round.
+    Ratio {
+        /// Dividend.
+        of: Box<Quantity>,
+        /// Divisor.
+        to: Box<Quantity>,
+        /// Lower and upper limit.
+        between: (f64, Option<f64>),
+    },
+    /// Each number of a group is smaller than each of the next group.
+    Order {
+        /// Which number.
+        metric: String,
+        /// Groups from small to large.
+        ascending: Vec<Vec<Pick>>,
+    },
+    /// The number grows along a straight line.
+    Straight {
+        /// Which number.
+        metric: String,
+        /// Cells of the line.
+        of: Pick,
+        /// The axis.
+        along: String,
+        /// Largest distance from the line over the range of the numbers.
+        bend: f64,
+        /// For proportionality: largest |intercept| over the largest number.
+        #[serde(default)]
+        intercept: Option<f64>,
+    },
+    /// One series is smaller before and larger after a place between limits.
+    Crossover {
+        /// Which number.
+        metric: String,
+        /// The series that overtakes.
+        of: Pick,
+        /// The series that is overtaken.
+        over: Pick,
+        /// The axis.
+        along: String,
+        /// Where the crossing is expected.
+        between: (f64, f64),
+    },
+    /// What an error loses from one value of an axis to another is at most a share of it.
+    Gain {
+        /// Which error.
+        metric: String,
+        /// The series.
+        of: Pick,
+        /// The axis.
+        along: String,
+        /// From this value.
+        from: f64,
+        /// To this one.
+        to: f64,
+        /// (error(from) − error(to)) / error(from) at most.
+        at_most: f64,
+    },
+    /// No record can decide it.
+    Unmeasured {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// A part of a claim.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Check {
+    /// The part in words, a clause.
+    pub says: String,
+    /// What decides it.
+    pub test: Test,
+}
+
+/// A published claim: it holds when all of its parts do.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClaimSpec {
+    /// Id, e.g. `M5`.
+    pub id: String,
+    /// Where it is published.
+    pub place: String,
+    /// The claim in a sentence.
+    pub says: String,
+    /// Its parts. Without any nothing is decided.
+    pub checks: Vec<Check>,
+}
+
+/// Published points of a series.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Published {
+    /// The series they belong to.
+    pub series: String,
+    /// x as published, and y in the published unit.
+    pub points: Vec<(f64, f64)>,
+    /// Divides every y: the published value of what a chart is relative to.
+    #[serde(default = "one")]
+    pub unit: f64,
+    /// Multiplies every x where the profile scales sizes.
+    #[serde(default = "one")]
+    pub x_scale: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// A chart: one curve a series.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChartSpec {
+    /// Names the file.
+    pub id: String,
+    /// Published figure or table that it stands for.
+    pub figure: String,
+    /// Heading.
+    pub title: String,
+    /// Where the cells are.
+    pub experiment: String,
+    /// The horizontal axis.
+    pub along: String,
+    /// Its title.
+    pub along_title: String,
+    /// Whether it is logarithmic.
+    #[serde(default)]
+    pub log_x: bool,
+    /// Whether the vertical axis is.
+    #[serde(default)]
+    pub log_y: bool,
+    /// Which number; several give one set of curves each.
+    pub metric: String,
+    /// A second number, drawn dashed.
+    #[serde(default)]
+    pub also: Option<String>,
+    /// Title of the vertical axis.
+    pub metric_title: String,
+    /// Series whose total time in the same view is 1.
+    #[serde(default)]
+    pub relative_to: Option<String>,
+    /// Series drawn.
+    pub series: Vec<String>,
+    /// Axis values besides those of the series.
+    #[serde(default)]
+    pub at: Map<String, Value>,
+    /// Points of the source.
+    #[serde(default)]
+    pub published: Vec<Published>,
+    /// A line on how to read it.
+    pub note: String,
+}
+
+/// What shows a defect.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Evidence {
+    /// A published number against a measured one.
+    Number {
+        /// The number as published, in `unit`s.
+        published: f64,
+        /// The unit's name.
+        unit: String,
+        /// Units in one of the measured number, e.g. bytes in a MiB.
+        per: f64,
+        /// The measured number.
+        measured: Box<Quantity>,
+    },
+    /// A number of two cells: as printed and as meant.
+    Cells {
+        /// As printed.
+        printed: Box<Quantity>,
+        /// As meant.
+        meant: Box<Quantity>,
+    },
+    /// rel_rmse of two truths from a third: the view march itself is at fault, which cells share with their truth.
+    Truths {
+        /// Id of the experiment.
+        experiment: String,
+        /// Scene members of the truth as printed.
+        printed: Map<String, Value>,
+        /// As meant.
+        meant: Map<String, Value>,
+        /// The truth that both are compared with.
+        limit: Map<String, Value>,
+    },
+    /// Two published numbers that contradict each other.
+    Text {
+        /// The number in one place.
+        one: f64,
+        /// The number in the other.
+        other: f64,
+        /// Their unit.
+        unit: String,
+    },
+}
+
+/// A defect of the source.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Erratum {
+    /// Where it stands.
+    pub place: String,
+    /// What is printed.
+    pub printed: String,
+    /// What is meant.
+    pub meant: String,
+    /// The number that shows it.
+    pub evidence: Evidence,
+}
+
+/// A question of the guide.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Question {
+    /// Which series has the smallest number at each value of an axis?
+    Along {
+        /// Heading.
+        title: String,
+        /// What the number is, in words with its unit.
+        words: String,
+        /// Which number.
+        metric: String,
+        /// Where the cells are.
+        experiment: String,
+        /// The axis.
+        along: String,
+        /// What the axis is, in words.
+        along_words: String,
+        /// Series that compete.
+        series: Vec<String>,
+        /// Axis values besides those of the series.
+        #[serde(default)]
+        at: Map<String, Value>,
+    },
+    /// Which series has the smallest number of all, of those that fit a budget?
+    Within {
+        /// Heading.
+        title: String,
+        /// What the number is, in words with its unit.
+        words: String,
+        /// Which number, its size counts.
+        metric: String,
+        /// Where the cells are.
+        experiment: String,
+        /// Series that compete.
+        series: Vec<String>,
+        /// Axis values besides those of the series.
+        #[serde(default)]
+        at: Map<String, Value>,
+        /// What is limited, in words.
+        #[serde(default)]
+        budget_words: String,
+        /// Number that is limited, e.g. `map_bytes`.
+        #[serde(default)]
+        budget: Option<String>,
+        /// Its limits, one sentence each; none: one sentence without a limit.
+        #[serde(default)]
+        limits: Vec<f64>,
+    },
+}

@@ -1,0 +1,206 @@
+//! Published claims put to the test: predicates over records, with the numbers that decided.
+//!
+//! A time is an interval (see [`Interval`]); a predicate holds or fails only where the whole interval says so, and is
+//! otherwise not decidable here. So is whatever meets a missing or failed cell. Nothing is forced.
+
+mod curve;
+mod ratio;
+#[cfg(test)]
+mod tests;
+
+use super::select::{Found, Records};
+use crate::config::{ClaimSpec, Test};
+use serde::Serialize;
+
+/// Whether a claim holds on this adapter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// It does.
+    Holds,
+    /// It does not.
+    Fails,
+    /// The records cannot tell.
+    Undecidable,
+}
+
+impl Verdict {
+    /// In words, as on the page.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Fails => "does not hold",
+            Self::Undecidable => "not decidable here",
+        }
+    }
+
+    /// Of a number against limits: the whole interval must lie inside, or outside.
+    fn within(low: f64, high: f64, (least, most): (f64, f64)) -> Self {
+        if low >= least && high <= most {
+            Self::Holds
+        } else if high < least || low > most {
+            Self::Fails
+        } else {
+            Self::Undecidable
+        }
+    }
+
+    /// Of parts that must all hold.
+    fn all(parts: impl Iterator<Item = Self> + Clone) -> Self {
+        if parts.clone().any(|part| part == Self::Fails) {
+            Self::Fails
+        } else if parts.clone().count() == 0 || parts.clone().any(|p| p == Self::Undecidable) {
+            Self::Undecidable
+        } else {
+            Self::Holds
+        }
+    }
+}
+
+/// Names a cell of an experiment's report.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct CellLink {
+    /// Id of the experiment.
+    pub experiment: String,
+    /// Index of the cell.
+    pub index: usize,
+}
+
+impl From<&Found<'_>> for CellLink {
+    fn from(found: &Found<'_>) -> Self {
+        Self {
+            experiment: found.experiment.to_owned(),
+            index: found.cell.index,
+        }
+    }
+}
+
+/// What a predicate found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Whether it holds.
+    pub verdict: Verdict,
+    /// The numbers that decided, and what was wanted.
+    pub numbers: String,
+    /// Cells they come from.
+    pub cells: Vec<CellLink>,
+}
+
+impl Finding {
+    fn new(verdict: Verdict, numbers: String, cells: &[Found<'_>]) -> Self {
+        Self {
+            verdict,
+            numbers,
+            cells: cells.iter().map(CellLink::from).collect(),
+        }
+    }
+
+    fn undecidable(reason: String) -> Self {
+        Self::new(Verdict::Undecidable, reason, &[])
+    }
+}
+
+/// A part of a claim with its finding.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Part {
+    /// The part in words.
+    pub says: String,
+    /// What was found.
+    #[serde(flatten)]
+    pub finding: Finding,
+}
+
+/// A claim with its verdict.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Claim {
+    /// Id, e.g. `M5`.
+    pub id: String,
+    /// Where it is published.
+    pub place: String,
+    /// The claim.
+    pub says: String,
+    /// Its verdict.
+    pub verdict: Verdict,
+    /// Why, in a sentence.
+    pub because: String,
+    /// Its parts.
+    pub parts: Vec<Part>,
+}
+
+/// Tests a claim on records.
+pub fn decide(records: &Records<'_>, spec: &ClaimSpec) -> Claim {
+    let parts: Vec<Part> = spec
+        .checks
+        .iter()
+        .map(|check| Part {
+            says: check.says.clone(),
+            finding: find(records, &check.test),
+        })
+        .collect();
+    let verdict = Verdict::all(parts.iter().map(|part| part.finding.verdict));
+    Claim {
+        id: spec.id.clone(),
+        place: spec.place.clone(),
+        says: spec.says.clone(),
+        verdict,
+        because: because(verdict, &parts),
+        parts,
+    }
+}
+
+/// The finding of a test; what cannot be had makes it undecidable.
+pub fn find(records: &Records<'_>, test: &Test) -> Finding {
+    let found = match test {
+        Test::Range { of, between } => ratio::range(records, of, *between),
+        Test::Ratio { of, to, between } => ratio::ratio(records, of, to, *between),
+        Test::Order { metric, ascending } => ratio::order(records, metric, ascending),
+        Test::Straight {
+            metric,
+            of,
+            along,
+            bend,
+            intercept,
+        } => curve::straight(records, metric, of, along, (*bend, *intercept)),
+        Test::Crossover {
+            metric,
+            of,
+            over,
+            along,
+            between,
+        } => curve::crossover(records, metric, (of, over), along, *between),
+        Test::Gain {
+            metric,
+            of,
+            along,
+            from,
+            to,
+            at_most,
+        } => curve::gain(records, metric, (of, along), (*from, *to), *at_most),
+        Test::Unmeasured { reason } => Err(reason.clone()),
+    };
+    found.unwrap_or_else(Finding::undecidable)
+}
+
+/// One sentence: the parts that decided.
+fn because(verdict: Verdict, parts: &[Part]) -> String {
+    let of = |wanted: Verdict| -> Vec<&str> {
+        let parts = parts.iter().filter(|part| part.finding.verdict == wanted);
+        parts.map(|part| part.says.as_str()).collect()
+    };
+    match verdict {
+        Verdict::Holds if parts.len() == 1 => "It holds as published.".to_owned(),
+        Verdict::Holds => format!("All {} parts hold.", parts.len()),
+        Verdict::Fails => {
+            let failing = of(Verdict::Fails);
+            let rest = parts.len() - failing.len();
+            let mut text = format!("It fails in: {}.", failing.join("; "));
+            if rest > 0 {
+                let (held, open) = (of(Verdict::Holds).len(), of(Verdict::Undecidable).len());
+                text += &format!(" Of the other parts {held} hold and {open} are open.");
+            }
+            text
+        }
+        Verdict::Undecidable if parts.is_empty() => "The study names nothing to test.".to_owned(),
+        Verdict::Undecidable => format!("Open: {}.", of(Verdict::Undecidable).join("; ")),
+    }
+}

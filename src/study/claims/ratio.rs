@@ -1,0 +1,117 @@
+//! Predicates on single numbers: range, ratio, order.
+
+use super::super::interval::Interval;
+use super::super::select::{self, Found, Records};
+use super::{Finding, Verdict};
+use crate::config::{Pick, Quantity};
+use crate::report::format::number;
+
+/// Limits as published: from, and up to where there is an upper one.
+pub type Limits = (f64, Option<f64>);
+
+fn closed((least, most): Limits) -> (f64, f64) {
+    (least, most.unwrap_or(f64::INFINITY))
+}
+
+fn wanted((least, most): Limits) -> String {
+    match most {
+        Some(most) => format!("wanted {} to {}", number(least), number(most)),
+        None => format!("wanted at least {}", number(least)),
+    }
+}
+
+/// A number between limits.
+pub fn range(records: &Records<'_>, of: &Quantity, limits: Limits) -> Result<Finding, String> {
+    let (value, cells) = records.quantity(of)?;
+    let text = format!("{} = {value}; {}", words(records, of), wanted(limits));
+    let verdict = Verdict::within(value.low, value.high, closed(limits));
+    Ok(Finding::new(verdict, text, &cells))
+}
+
+/// A ratio between limits.
+pub fn ratio(
+    records: &Records<'_>,
+    of: &Quantity,
+    to: &Quantity,
+    limits: Limits,
+) -> Result<Finding, String> {
+    let plain = of.minus.is_none() && to.minus.is_none() && of.metric == to.metric;
+    let (value, cells) = if plain {
+        let (a, b) = (records.find(&of.of)?, records.find(&to.of)?);
+        (select::ratio(&a, &b, &of.metric)?, vec![a, b])
+    } else {
+        let ((a, mut cells), (b, more)) = (records.quantity(of)?, records.quantity(to)?);
+        cells.extend(more);
+        (a.over(b)?, cells)
+    };
+    let text = format!(
+        "{} ÷ {} = {value}; {}",
+        words(records, of),
+        words(records, to),
+        wanted(limits)
+    );
+    let verdict = Verdict::within(value.low, value.high, closed(limits));
+    Ok(Finding::new(verdict, text, &cells))
+}
+
+fn words(records: &Records<'_>, quantity: &Quantity) -> String {
+    let own = format!("{} of {}", quantity.metric, records.words(&quantity.of));
+    match &quantity.minus {
+        Some(minus) => format!("({own} − {})", records.words(minus)),
+        None => own,
+    }
+}
+
+/// Each group below the next: every pair of neighbouring groups is compared by its ratio.
+pub fn order(
+    records: &Records<'_>,
+    metric: &str,
+    ascending: &[Vec<Pick>],
+) -> Result<Finding, String> {
+    let (mut verdicts, mut decided, mut cells) = (Vec::new(), Vec::new(), Vec::new());
+    for group in ascending {
+        for pick in group {
+            let found = records.find(pick)?;
+            let value = select::metric(&found, metric)?;
+            decided.push(format!("{} {value}", records.words(pick)));
+            cells.push(found);
+        }
+    }
+    for pair in ascending.windows(2) {
+        for (small, large) in pair[0]
+            .iter()
+            .flat_map(|a| pair[1].iter().map(move |b| (a, b)))
+        {
+            let (a, b) = (records.find(small)?, records.find(large)?);
+            verdicts.push(below(&a, &b, metric)?);
+        }
+    }
+    let verdict = Verdict::all(verdicts.iter().copied());
+    Ok(Finding::new(
+        verdict,
+        format!("{metric}: {}", decided.join(", ")),
+        &cells,
+    ))
+}
+
+/// Whether a's number is below b's: by ratio, or by their values where b's may be 0.
+fn below(a: &Found<'_>, b: &Found<'_>, metric: &str) -> Result<Verdict, String> {
+    let ratio = match select::ratio(a, b, metric) {
+        Ok(ratio) => ratio,
+        Err(_) => {
+            let difference = select::metric(a, metric)?.minus(select::metric(b, metric)?);
+            return Ok(sign(difference));
+        }
+    };
+    Ok(sign(ratio.minus(Interval::exact(1.0))))
+}
+
+fn sign(difference: Interval) -> Verdict {
+    if difference.high < 0.0 {
+        Verdict::Holds
+    } else if difference.low > 0.0 || difference.low == difference.high {
+        Verdict::Fails
+    } else {
+        Verdict::Undecidable
+    }
+}

@@ -1,0 +1,284 @@
+//! Which method when: sentences from the records, each with the cells it rests on.
+
+use super::claims::CellLink;
+use super::interval::Interval;
+use super::select::{self, Found, Records};
+use crate::config::{Pick, Question};
+use crate::report::format::{bytes, number};
+use serde::Serialize;
+use serde_json::Map;
+
+/// A sentence and its cells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sentence {
+    /// The sentence.
+    pub text: String,
+    /// Cells it rests on; none where it says that there are none.
+    pub cells: Vec<CellLink>,
+}
+
+/// The answer to a question.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// Heading.
+    pub title: String,
+    /// What is compared.
+    pub words: String,
+    /// Sentences in order.
+    pub sentences: Vec<Sentence>,
+}
+
+/// Answers a question; what cannot be answered says why.
+pub fn answer(records: &Records<'_>, question: &Question) -> Answer {
+    let (title, words, sentences) = match question {
+        Question::Along {
+            title,
+            words,
+            metric,
+            experiment,
+            along,
+            along_words,
+            series,
+            at,
+        } => {
+            let picks = picks(experiment, series, at);
+            let axis = (along.as_str(), along_words.as_str());
+            (title, words, along_axis(records, metric, &picks, axis))
+        }
+        Question::Within {
+            title,
+            words,
+            metric,
+            experiment,
+            series,
+            at,
+            budget_words,
+            budget,
+            limits,
+        } => {
+            let picks = picks(experiment, series, at);
+            let budget = budget.as_deref().map(|b| (b, budget_words.as_str()));
+            (
+                title,
+                words,
+                within(records, metric, &picks, budget, limits),
+            )
+        }
+    };
+    Answer {
+        title: title.clone(),
+        words: words.clone(),
+        sentences: sentences.unwrap_or_else(|reason| {
+            vec![Sentence {
+                text: format!("No answer here: {reason}."),
+                cells: Vec::new(),
+            }]
+        }),
+    }
+}
+
+fn picks(experiment: &str, series: &[String], at: &Map<String, serde_json::Value>) -> Vec<Pick> {
+    let pick = |name: &String| Pick {
+        experiment: experiment.to_owned(),
+        series: name.clone(),
+        at: at.clone(),
+    };
+    series.iter().map(pick).collect()
+}
+
+/// A competitor at one place.
+#[derive(Clone)]
+struct Entry<'a> {
+    label: &'a str,
+    found: Found<'a>,
+    value: Interval,
+}
+
+/// Those that nothing clearly beats, best first, and the best of the others.
+struct Podium<'a> {
+    leaders: Vec<Entry<'a>>,
+    next: Option<Entry<'a>>,
+}
+
+fn podium<'a>(mut entries: Vec<Entry<'a>>, metric: &str) -> Result<Podium<'a>, String> {
+    entries.sort_by(|a, b| a.value.value.total_cmp(&b.value.value));
+    let best = entries.first().ok_or("no cell competes")?.clone();
+    let beaten = |entry: &Entry<'a>| {
+        let ratio = select::ratio(&best.found, &entry.found, metric);
+        ratio.map_or(best.value.high < entry.value.low, |r| r.high < 1.0)
+    };
+    let first = entries
+        .iter()
+        .skip(1)
+        .position(beaten)
+        .map_or(entries.len(), |i| i + 1);
+    Ok(Podium {
+        next: entries.get(first).cloned(),
+        leaders: entries.into_iter().take(first).collect(),
+    })
+}
+
+impl Podium<'_> {
+    fn names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.leaders.iter().map(|e| e.label).collect();
+        names.sort_unstable();
+        names
+    }
+
+    fn cells(&self) -> Vec<CellLink> {
+        let entries = self.leaders.iter().chain(&self.next);
+        entries.map(|entry| CellLink::from(&entry.found)).collect()
+    }
+
+    /// `srm 12.3, next esm 15.1`, with each number's unit behind it.
+    fn text(&self, unit: &str) -> String {
+        let shown = |e: &Entry<'_>| format!("{} {}{unit}", e.label, number(e.value.value));
+        let leaders: Vec<String> = self.leaders.iter().map(shown).collect();
+        let lead = match leaders.len() {
+            1 => leaders[0].clone(),
+            _ => leaders.join(", "),
+        };
+        match &self.next {
+            Some(next) => format!("{lead}; next {}", shown(next)),
+            None => lead,
+        }
+    }
+}
+
+/// The podium after `take`, or after `tied` where nobody leads alone.
+fn advice(podium: &Podium<'_>, metric: &str, take: &str, tied: &str) -> String {
+    let lead = if podium.leaders.len() == 1 {
+        take
+    } else {
+        tied
+    };
+    format!("{lead} {}", podium.text(unit(metric)))
+}
+
+fn unit(metric: &str) -> &'static str {
+    if metric.ends_with("_ms") { " ms" } else { "" }
+}
+
+/// One sentence for each stretch of the axis with the same leaders.
+fn along_axis(
+    records: &Records<'_>,
+    metric: &str,
+    picks: &[Pick],
+    (axis, words): (&str, &str),
+) -> Result<Vec<Sentence>, String> {
+    let mut places: Vec<(f64, Vec<Entry<'_>>)> = Vec::new();
+    for pick in picks {
+        for (x, found) in records.along(pick, axis)? {
+            let entry = Entry {
+                label: records.label(&pick.series),
+                value: select::metric(&found, metric)?,
+                found,
+            };
+            match places.iter_mut().find(|(other, _)| *other == x) {
+                Some((_, entries)) => entries.push(entry),
+                None => places.push((x, vec![entry])),
+            }
+        }
+    }
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut stretches: Vec<Vec<(f64, Podium<'_>)>> = Vec::new();
+    for (x, entries) in places {
+        let podium = podium(entries, metric)?;
+        match stretches.last_mut() {
+            Some(stretch) if stretch[0].1.names() == podium.names() => stretch.push((x, podium)),
+            _ => stretches.push(vec![(x, podium)]),
+        }
+    }
+    let sentence = |stretch: &Vec<(f64, Podium<'_>)>| {
+        let ends = [&stretch[0], &stretch[stretch.len() - 1]];
+        let names = ends[0].1.names();
+        let verdict = match names[..] {
+            [one] => format!("take {one}"),
+            _ => format!("{} are not told apart", names.join(" and ")),
+        };
+        let (mut text, mut cells) = match stretch.len() {
+            1 => (
+                format!(
+                    "At {words} {}: {verdict} ({}).",
+                    number(ends[0].0),
+                    ends[0].1.text(unit(metric))
+                ),
+                Vec::new(),
+            ),
+            _ => (
+                format!(
+                    "From {words} {} to {}: {verdict} ({}",
+                    number(ends[0].0),
+                    number(ends[1].0),
+                    ends[0].1.text(unit(metric))
+                ),
+                ends[1].1.cells(),
+            ),
+        };
+        if stretch.len() > 1 {
+            text += &format!(" … {}).", ends[1].1.text(unit(metric)));
+        }
+        cells.splice(0..0, ends[0].1.cells());
+        Sentence { text, cells }
+    };
+    Ok(stretches.iter().map(sentence).collect())
+}
+
+/// One sentence for each limit.
+fn within(
+    records: &Records<'_>,
+    metric: &str,
+    picks: &[Pick],
+    budget: Option<(&str, &str)>,
+    limits: &[f64],
+) -> Result<Vec<Sentence>, String> {
+    let mut entries = Vec::new();
+    for pick in picks {
+        let found = records.find(pick)?;
+        let value = select::metric(&found, metric)?;
+        let value = if value.value < 0.0 {
+            Interval::exact(0.0).minus(value)
+        } else {
+            value
+        };
+        let label = records.label(&pick.series);
+        entries.push(Entry {
+            label,
+            found,
+            value,
+        });
+    }
+    let Some((name, words)) = budget else {
+        let podium = podium(entries, metric)?;
+        let text = format!("{}.", advice(&podium, metric, "Take", "Not told apart:"));
+        let cells = podium.cells();
+        return Ok(vec![Sentence { text, cells }]);
+    };
+    let mut sentences = Vec::new();
+    for limit in limits {
+        let mut fitting = Vec::new();
+        for entry in &entries {
+            if select::metric(&entry.found, name)?.high <= *limit {
+                fitting.push(entry.clone());
+            }
+        }
+        let shown = match name.ends_with("_bytes") {
+            true => bytes(*limit as u64),
+            false => format!("{}{}", number(*limit), unit(name)),
+        };
+        sentences.push(match podium(fitting, metric) {
+            Ok(podium) => Sentence {
+                text: format!(
+                    "With {words} of at most {shown}: {}.",
+                    advice(&podium, metric, "take", "not told apart:")
+                ),
+                cells: podium.cells(),
+            },
+            Err(_) => Sentence {
+                text: format!("With {words} of at most {shown}: none of these."),
+                cells: Vec::new(),
+            },
+        });
+    }
+    Ok(sentences)
+}

@@ -1,0 +1,126 @@
+//! Studies: a published comparison done again. A study file names experiments; their records are put to its claims,
+//! errata, cost model and guide, and shown on one page.
+//!
+//! ```text
+//! config::Study ─► run ─► batch, one folder an experiment ─► Records ─┬► claims ─┐
+//!                                                                     ├► errata  │
+//!                                                                     ├► cost    ├► study.json, index.html, guide.html
+//!                                                                     ├► charts  │
+//!                                                                     └► guide ──┘
+//! ```
+//!
+//! Nothing here knows a study by name: what is measured and claimed stands in `configs/studies/NAME.json`.
+
+mod charts;
+pub mod claims;
+pub mod cost_model;
+pub mod errata;
+#[cfg(test)]
+mod fixture;
+pub mod guide;
+mod interval;
+mod least_squares;
+mod page;
+mod run;
+pub mod select;
+
+pub use interval::Interval;
+pub use run::{Event, Progress, run};
+
+use crate::batch::record::{Clock, Report};
+use crate::config::Study;
+use crate::error::{Error, Result};
+use claims::Claim;
+use cost_model::CostModel;
+use errata::Shown;
+use guide::Answer;
+use select::Records;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Folder of the experiments' reports below a study's folder.
+pub const EXPERIMENTS: &str = "experiments";
+
+/// What a study found: `study.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outcome {
+    /// Name of the study.
+    pub study: String,
+    /// Its profile.
+    pub profile: String,
+    /// Adapter that every number about time belongs to.
+    pub adapter: String,
+    /// `total` or `wall`.
+    pub clock: String,
+    /// Claims with their verdicts.
+    pub claims: Vec<Claim>,
+    /// Defects of the source with their numbers.
+    pub errata: Vec<Shown>,
+    /// What a sample costs; `null` without times.
+    pub cost_model: Option<CostModel>,
+    /// Answers of the guide.
+    pub guide: Vec<Answer>,
+    /// Seconds that the experiments took, summed over resumed runs.
+    pub wall_s: f64,
+    /// Cells of all experiments.
+    pub cells: usize,
+    /// Of these, failed.
+    pub failed: usize,
+}
+
+/// Puts the reports to the study's questions and writes `study.json`, charts, `index.html` and `guide.html` into
+/// `folder`, where the reports lie below [`EXPERIMENTS`]. Returns the outcome and the path of the page.
+pub fn conclude(
+    study: &Study,
+    reports: &[(String, Report)],
+    folder: &Path,
+) -> Result<(Outcome, PathBuf)> {
+    let records = Records {
+        reports,
+        series: &study.series,
+    };
+    let outcome = outcome(study, &records, folder);
+    let json = folder.join("study.json");
+    let text = serde_json::to_vec_pretty(&outcome).map_err(|e| Error::writing(&json)(e.into()))?;
+    crate::report::files::write(&json, &text)?;
+    let figures = charts::all(study, &records, &outcome)?;
+    let files = figures.iter().map(|f| (f.file.as_str(), f.svg.as_bytes()));
+    let charts = folder.join("charts");
+    crate::report::files::replace_all(&charts, &["figure-", "cost-"], files)?;
+    let page = page::write(folder, study, &records, &outcome, &figures)?;
+    Ok((outcome, page))
+}
+
+fn outcome(study: &Study, records: &Records<'_>, folder: &Path) -> Outcome {
+    let reports = || records.reports.iter().map(|(_, report)| report);
+    let first = reports().next();
+    let cells = || reports().flat_map(|report| &report.cells);
+    let decide = |spec| claims::decide(records, spec);
+    let show = |erratum| errata::show(records, &folder.join(EXPERIMENTS), erratum);
+    Outcome {
+        study: study.name.clone(),
+        profile: study.profile.clone(),
+        adapter: first.map(adapter).unwrap_or_default(),
+        clock: first.map_or(Clock::Device, Report::clock).name().to_owned(),
+        claims: study.claims.iter().map(decide).collect(),
+        errata: study.errata.iter().map(show).collect(),
+        cost_model: cost_model::fit(records),
+        guide: study
+            .guide
+            .iter()
+            .map(|question| guide::answer(records, question))
+            .collect(),
+        wall_s: reports().map(|report| report.wall.total_s).sum(),
+        cells: cells().count(),
+        failed: cells().filter(|cell| cell.result.is_none()).count(),
+    }
+}
+
+/// Adapter with its kind, as every table names it.
+fn adapter(report: &Report) -> String {
+    let e = &report.environment;
+    if e.is_oracle() {
+        return format!("{}, {}", e.adapter, e.driver);
+    }
+    format!("{} ({}, {})", e.adapter, e.device_type, e.backend)
+}

@@ -1,0 +1,91 @@
+//! Every setting of chosen experiments beside its truth, with its error numbers and its difference picture.
+
+use super::super::EXPERIMENTS;
+use super::super::select::Records;
+use super::report_link;
+use crate::config::Study;
+use crate::report::format::{number, signed_percent};
+use crate::report::page::album::{Album, Picture};
+use crate::report::page::parts;
+use crate::report::page::pictures::image;
+use crate::report::view::{Case, Shot, View};
+use maud::{Markup, html};
+use serde_json::{Map, Value};
+use std::path::Path;
+
+/// Cards beside each other on a wide screen.
+const COLUMNS: usize = 5;
+
+/// The section; nothing where the study shows no pictures.
+pub fn section(folder: &Path, study: &Study, records: &Records<'_>) -> Markup {
+    let mut album = Album::new(folder);
+    let shown = study.pictures.iter();
+    let reports: Vec<_> = shown.filter_map(|id| records.report(id).ok()).collect();
+    html! {
+        @if !reports.is_empty() {
+            section #pictures {
+                h2 { "Pictures" }
+                p {
+                    "The truth, then every setting; below each picture its signed difference from the truth, blue where it is darker "
+                    "and red where it is brighter, on one scale."
+                }
+                @for (id, report) in reports {
+                    @let view = View::new(report);
+                    @for case in &view.cases {
+                        article {
+                            h3 { (case.name) " · " a href=(report_link(id)) { "report of `" (id) "`" } }
+                            div.sheet style={ "--columns:" (COLUMNS) } {
+                                (truth(id, case, &mut album))
+                                @for shot in case.shots() { (card(id, &view, &shot, &mut album)) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The files of a record as seen from the study's folder.
+fn files_below(experiment: &str, files: &Map<String, Value>) -> Map<String, Value> {
+    let below = |(key, value): (&String, &Value)| {
+        let path = format!("{EXPERIMENTS}/{experiment}/{}", value.as_str()?);
+        Some((key.clone(), path.into()))
+    };
+    files.iter().filter_map(below).collect()
+}
+
+fn truth(experiment: &str, case: &Case<'_>, album: &mut Album) -> Markup {
+    let picture = match case.reference {
+        Some(reference) => album.show(&files_below(experiment, &reference.files), "png"),
+        None => Picture::Missing("the report has no truth".to_owned()),
+    };
+    html! {
+        figure.truth {
+            (image(&picture, &format!("truth of {}", case.name), "truth"))
+            figcaption { p { (parts::method("truth")) } }
+        }
+    }
+}
+
+fn card(experiment: &str, view: &View<'_>, shot: &Shot<'_>, album: &mut Album) -> Markup {
+    let files = files_below(experiment, &shot.numbers.files);
+    let error = &shot.numbers.error;
+    let name = view.short(shot.cell);
+    html! {
+        figure {
+            (image(&album.show(&files, "png"), &name, "picture"))
+            figcaption {
+                p { (parts::method(&shot.cell.method)) " " (parts::setting(view, shot)) }
+                dl.numbers {
+                    dt { "rel_rmse" } dd { (number(error.rel_rmse)) }
+                    dt { "leak" } dd { (signed_percent(error.leak)) }
+                    dt { "darken" } dd { (signed_percent(error.darken)) }
+                    dt { "FLIP" } dd { (number(error.flip_mean)) }
+                    dt { "cell" } dd { a href={ (report_link(experiment)) "#cell-" (shot.cell.index) } { (shot.cell.index) } }
+                }
+            }
+            (image(&album.show(&files, "diff_png"), &format!("difference of {name}"), "diff"))
+        }
+    }
+}

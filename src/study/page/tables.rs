@@ -1,0 +1,182 @@
+//! Claims, their evidence, errata, the cost model, definitions.
+
+use super::super::Outcome;
+use super::super::charts::Figure;
+use super::super::claims::Claim;
+use super::super::cost_model::COUNTS;
+use super::{cell_links, class, grid};
+use crate::report::format::{number, percent, signed_percent};
+use crate::report::page::parts;
+use maud::{Markup, html};
+
+/// One row a claim.
+pub fn claims(outcome: &Outcome) -> Markup {
+    html! {
+        section #claims {
+            h2 { "Claims put to the test" }
+            figure.table {
+                figcaption { "One row a claim; its id leads to its parts and their numbers. " span.where { "Adapter: " (outcome.adapter) } }
+                div.scroll tabindex="0" { table.verdicts {
+                    thead { tr { @for name in ["Claim", "Published", "Verdict here", "Because"] { th scope="col" { (name) } } } }
+                    tbody { @for claim in &outcome.claims {
+                        tr {
+                            th scope="row" { a href={ "#claim-" (claim.id) } { (claim.id) } }
+                            td.claim data-label="Published" { (claim.says) " " span.unit { (claim.place) } }
+                            td data-label="Verdict" { span class=(class(claim.verdict)) { (claim.verdict.words()) } }
+                            td.claim data-label="Because" { (claim.because) }
+                        }
+                    } }
+                } }
+            }
+        }
+    }
+}
+
+/// The numbers of each part.
+pub fn evidence(outcome: &Outcome) -> Markup {
+    html! {
+        section #evidence {
+            h2 { "Evidence" }
+            p {
+                "Times as median [low, high], between repeats that hold the true median with a probability of at least 93 % (of 3 or 4 "
+                "repeats 75 to 88 %); ratios of times of one picture are taken round by round. A part holds or fails only where that "
+                "whole range says so."
+            }
+            @for claim in &outcome.claims { (parts_of(claim)) }
+        }
+    }
+}
+
+fn parts_of(claim: &Claim) -> Markup {
+    html! {
+        article id={ "claim-" (claim.id) } {
+            h3 { (claim.id) " · " (claim.says) " " span class=(class(claim.verdict)) { (claim.verdict.words()) } }
+            @if claim.parts.is_empty() { p { (claim.because) } }
+            ul.parts { @for part in &claim.parts {
+                li {
+                    span class=(class(part.finding.verdict)) { (part.finding.verdict.words()) } " "
+                    strong { (part.says) } ": " (part.finding.numbers) ". "
+                    (cell_links(&part.finding.cells))
+                }
+            } }
+        }
+    }
+}
+
+/// Defects of the source.
+pub fn errata(outcome: &Outcome) -> Markup {
+    html! {
+        section #errata {
+            h2 { "Errata of the source" }
+            p { "Each misprint with the number that shows it. Errors are relative to the same truth; only the misprint differs." }
+            @if outcome.errata.is_empty() { p { "The study lists none." } }
+            @else { div.scroll tabindex="0" { table.verdicts {
+                thead { tr { @for name in ["Where", "Printed", "Meant", "Measured here"] { th scope="col" { (name) } } } }
+                tbody { @for shown in &outcome.errata {
+                    tr {
+                        th.claim scope="row" { (shown.place) }
+                        td.claim data-label="Printed" { (shown.printed) }
+                        td.claim data-label="Meant" { (shown.meant) }
+                        td.claim.na[!shown.measured] data-label="Measured" { (shown.numbers) ". " (cell_links(&shown.cells)) }
+                    }
+                } }
+            } } }
+        }
+    }
+}
+
+/// Prices, how well they fit, and where they do not.
+pub fn cost_model(outcome: &Outcome, figures: &[Figure]) -> Markup {
+    let Some(model) = &outcome.cost_model else {
+        return html! { section #cost { h2 { "Cost model" } p.notice { "No cell has a time, so nothing is fitted." } } };
+    };
+    html! {
+        section #cost {
+            h2 { "Cost model" }
+            p {
+                "The source counts N = N_view·N_light + N_map samples and takes time for proportional to them. Counted by the "
+                "shaders of all " (model.cells.len()) " cells and fitted to their times, one price gives "
+                strong { (number(model.thesis_ns)) " ns a sample" } ", R² = " strong { (format!("{:.3}", model.thesis_r2)) } ". "
+                "A price for each kind of sample, fitted to each method, gives the table."
+            }
+            (prices(outcome))
+            @for method in &model.methods { @if !method.why.is_empty() {
+                p { (parts::method(&method.method)) " " (method.why.join(" ")) }
+            } }
+            (grid(figures.iter().filter(|f| f.file.starts_with("cost-"))))
+        }
+    }
+}
+
+fn prices(outcome: &Outcome) -> Markup {
+    let methods = outcome.cost_model.iter().flat_map(|m| &m.methods);
+    html! {
+        figure.table {
+            figcaption {
+                "Non-negative least squares of relative errors. 0: the fit gives that count no price of its own, mostly because it "
+                "grows together with another. " span.where { "Adapter: " (outcome.adapter) ", clock: " (outcome.clock) }
+            }
+            div.scroll tabindex="0" { table.small {
+                thead { tr {
+                    th scope="col" { "Method" } th.n scope="col" { "Cells" }
+                    @for name in COUNTS { th.n scope="col" { "ns a " (name) } }
+                    @for name in ["R²", "typical error", "worst", "one price: typical", "worst"] { th.n scope="col" { (name) } }
+                } }
+                tbody { @for m in methods {
+                    tr {
+                        td { (parts::method(&m.method)) }
+                        td.n { (m.cells) }
+                        @for ns in m.prices_ns { td.n { (number(ns)) } }
+                        td.n { (format!("{:.3}", m.r2)) }
+                        td.n { (percent(m.typical)) }
+                        td.n { (signed_percent(m.worst)) }
+                        td.n { (percent(m.thesis_typical)) }
+                        td.n { (signed_percent(m.thesis_worst)) }
+                    }
+                } }
+            } }
+        }
+    }
+}
+
+/// One line for each number of this page.
+const DEFINITIONS: [(&str, &str); 7] = [
+    (
+        "holds, does not hold",
+        "the whole range of the repeats lies inside, or outside, what the claim allows",
+    ),
+    (
+        "not decidable here",
+        "the range lies across the limit, a cell failed or is missing, or no record measures it; the reason stands beside it",
+    ),
+    (
+        "crossing",
+        "an interval: the last value of the axis at which one method is surely cheaper, and the first at which it is surely dearer",
+    ),
+    (
+        "rel_rmse",
+        "√Σ(ΔL)² / √ΣL² of sun-lit radiance over cloud pixels, against the 1000-step truth",
+    ),
+    (
+        "leak, darken",
+        "sums of the positive and of the negative half of the error over ΣL; darken is given by its size",
+    ),
+    (
+        "cloud_pixel_fraction",
+        "share of pixels whose opacity in the truth exceeds 0.01",
+    ),
+    (
+        "look-up",
+        "one evaluation of light through a map; a secondary march has light samples instead",
+    ),
+];
+
+/// What each number means.
+pub fn definitions() -> Markup {
+    html! {
+        section #definitions {
+            h2 { "Definitions" }
+            dl.pairs { @for (name, meaning) in DEFINITIONS { dt { (name) } dd { (meaning) } } }
+        }
+    }
+}
