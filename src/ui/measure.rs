@@ -92,10 +92,13 @@ fn times(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
     rolling(app, ui);
 }
 
+/// A line of the plot: its name, and the time of a run.
+type Series = (&'static str, fn(&PassTimes) -> Option<f64>);
+
 /// Times of A over its last runs, and their medians.
 fn rolling(app: &App, ui: &mut egui::Ui) {
     let runs = &app.shown.runs;
-    let series: [(&str, fn(&PassTimes) -> Option<f64>); 3] = [
+    let series: [Series; 3] = [
         ("generate", |t| t.generate),
         ("march", |t| t.march),
         ("total", PassTimes::total),
