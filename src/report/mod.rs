@@ -23,7 +23,7 @@ mod page;
 mod pareto;
 mod records;
 mod stability;
-mod style;
+pub(crate) mod style;
 mod view;
 
 #[cfg(test)]
