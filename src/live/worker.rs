@@ -233,21 +233,26 @@ struct Show<'a, 'w> {
 impl Show<'_, '_> {
     /// Coarse pictures first, then exact ones, in the order of urgency; what fails is said and the others go on.
     fn all(&mut self, wanted: &[(What, MethodSetup)]) -> Result<()> {
-        let mut failed = Vec::new();
+        let mut coarse = Vec::new();
         for (what, setup) in wanted {
             if let Some(finished) = self.stage.finished(setup).cloned() {
                 self.send_exact(*what, setup, &finished)?;
-            } else if let Err(error) = self.first(*what, setup) {
-                self.tell_or_stop(*what, error)?;
-                failed.push(*what);
-            }
-        }
-        for (what, setup) in wanted {
-            if failed.contains(what) || self.stage.finished(setup).is_some() {
                 continue;
             }
-            if let Err(error) = self.exact(*what, setup) {
-                self.tell_or_stop(*what, error)?;
+            match self.first(*what, setup) {
+                Ok(true) => {}
+                Ok(false) => coarse.push((*what, setup)),
+                Err(error) => self.tell_or_stop(*what, error)?,
+            }
+        }
+        for (what, setup) in coarse {
+            // Finished meanwhile: the same method twice.
+            let outcome = match self.stage.finished(setup).cloned() {
+                Some(finished) => self.send_exact(what, setup, &finished),
+                None => self.exact(what, setup),
+            };
+            if let Err(error) = outcome {
+                self.tell_or_stop(what, error)?;
             }
         }
         Ok(())
@@ -261,11 +266,12 @@ impl Show<'_, '_> {
         Ok(())
     }
 
-    /// The first picture, coarse where the exact one would take too long.
-    fn first(&mut self, what: What, setup: &MethodSetup) -> Result<()> {
+    /// The first picture, coarse where the exact one would take too long; is it the exact one?
+    fn first(&mut self, what: What, setup: &MethodSetup) -> Result<bool> {
         let factor = self.worker.factor(self.request, setup);
         if factor == 1 {
-            return self.exact(what, setup);
+            self.exact(what, setup)?;
+            return Ok(true);
         }
         let image = coarser(self.request.image, factor);
         let view = self.worker.backend.view(&self.request.scene, image)?;
@@ -281,7 +287,7 @@ impl Show<'_, '_> {
             .drawn(what, Arc::new(frame.clone()), factor, 1.0, None);
         self.send(drawn);
         self.coarse.insert(what, frame);
-        Ok(())
+        Ok(false)
     }
 
     /// The exact picture; its finished bands are sent while it takes long.

@@ -8,6 +8,7 @@ mod density;
 mod geometry;
 mod light;
 mod march;
+mod navigate;
 mod preetham;
 mod reconstruct;
 mod track;

@@ -1,8 +1,10 @@
 //! The window's content and what it remembers between frames.
 
+use super::map::MapView;
+use super::probe::Asked;
 use super::shown::Shown;
-use super::view::{Mode, Pane};
-use super::{banner, controls, measure};
+use super::view::{Mode, Pane, Play};
+use super::{banner, controls, lower, measure};
 use crate::config::load_scene;
 use crate::error::{Error, Result};
 use crate::live::{Live, Request, State, Update};
@@ -29,6 +31,11 @@ pub struct App {
     pub(super) state: State,
     pub(super) mode: Mode,
     pub(super) pane: Pane,
+    /// Time goes by.
+    pub(super) play: Option<Play>,
+    /// The last probe that was asked for.
+    pub(super) asked: Option<Asked>,
+    pub(super) map_view: MapView,
     pub(super) shown: Shown,
     pub(super) live: Live,
     pub(super) adapter: String,
@@ -73,6 +80,9 @@ impl App {
             state,
             mode: Mode::default(),
             pane: Pane::default(),
+            play: None,
+            asked: None,
+            map_view: MapView::default(),
             shown: Shown::default(),
             live,
             adapter,
@@ -111,7 +121,10 @@ impl App {
                     ctx.send_viewport_cmd(egui::ViewportCommand::Close);
                 }
                 Update::Shaders(outcome) => self.banners.shaders(outcome),
-                Update::Failed { message, .. } => self.banners.say(message),
+                Update::Failed { message, .. } => {
+                    self.play = None;
+                    self.banners.say(message);
+                }
                 other => self.shown.take(ctx, other),
             }
         }
@@ -121,20 +134,20 @@ impl App {
     fn wanted(&self) -> (Vec<Slot>, Vec<MethodSetup>) {
         let side = |i: usize| (Slot::Side(i), self.state.methods[i].clone());
         let mut wanted = vec![side(0)];
-        if self.mode.shows_b() {
+        if self.mode.shows_b() || self.pane.map_of() == Some(1) {
             wanted.push(side(1));
         }
         if self.mode == Mode::Grid {
             for (i, method) in REGISTRY.iter().enumerate() {
-                // The grid shows each method as it is set in A or B, else at its defaults.
+                // The grid shows each method as it is set in A or B, else at its defaults; A is there already.
                 let id = method.info().id;
-                let own = self.state.methods.iter().find(|m| m.method.info().id == id);
-                let setup = own.cloned().or_else(|| MethodSetup::defaults(id).ok());
-                wanted.extend(
-                    setup
-                        .filter(|_| id != "truth")
-                        .map(|setup| (Slot::Grid(i), setup)),
-                );
+                let [a, b] = self.state.methods.each_ref();
+                if id == "truth" || id == a.method.info().id {
+                    continue;
+                }
+                let own = Some(b).filter(|b| b.method.info().id == id).cloned();
+                let setup = own.or_else(|| MethodSetup::defaults(id).ok());
+                wanted.extend(setup.map(|setup| (Slot::Grid(i), setup)));
             }
         }
         wanted.into_iter().unzip()
@@ -148,7 +161,7 @@ impl App {
             scene: self.state.scene.clone(),
             image: self.state.image,
             methods,
-            truth: self.want_truth || self.mode.needs_truth(),
+            truth: self.want_truth,
             map_of: self.pane.map_of(),
             repeat: self.repeat,
         };
@@ -197,6 +210,7 @@ impl App {
             .show(ui, |ui| {
                 egui::ScrollArea::vertical().show(ui, |ui| measure::draw(self, ui));
             });
+        lower::draw(self, ui);
         egui::CentralPanel::default().show(ui, |ui| super::view::draw(self, ui));
         self.undoer.feed_state(ctx.input(|i| i.time), &self.state);
         self.request();

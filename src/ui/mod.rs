@@ -8,12 +8,16 @@
 mod app;
 mod banner;
 mod controls;
+mod ink;
+mod lower;
+mod map;
 mod measure;
+mod probe;
 mod shown;
 mod view;
 
 pub use app::App;
-pub use view::Mode;
+pub use view::{KEYS, Mode};
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;

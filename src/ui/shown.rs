@@ -26,8 +26,8 @@ pub struct Shown {
     timed: Option<(Scene, ImageSize, Option<MethodSetup>)>,
     /// Everything that was asked for is there.
     pub done: bool,
-    /// The light map that was asked for last; `None` inside: the method has none.
-    pub map: Option<Option<Arc<MapTexels>>>,
+    /// The light map that was asked for last and whose it is; `None` inside: the method has none.
+    pub map: Option<(Slot, Option<Arc<MapTexels>>)>,
     /// The last probe.
     pub probed: Option<Result<Arc<Probed>, String>>,
     /// Times of the method A, latest last, at most 120.
@@ -92,6 +92,18 @@ impl Shown {
         self.pictures.get(&slot)
     }
 
+    /// Is the picture of a slot that of the last request?
+    pub fn is_current(&self, slot: Slot) -> bool {
+        let latest = self.expected.back().map(|e| e.serial);
+        let drawn = self.pictures.get(&slot).map(|p| p.serial);
+        drawn.is_some() && drawn == latest
+    }
+
+    /// Something of the last request is on the screen.
+    pub fn has_first(&self) -> bool {
+        self.expected.back().is_some_and(|e| e.seen)
+    }
+
     /// Error numbers of a slot, and whether they are those of the picture that is asked for now.
     pub fn compared(&self, slot: Slot) -> Option<(&Compared, bool)> {
         let latest = self.expected.back().map(|e| e.serial);
@@ -121,7 +133,15 @@ impl Shown {
                     self.compared.insert(slot, Compared { serial, result });
                 }
             }
-            Update::Map { texels, .. } => self.map = Some(texels),
+            Update::Map {
+                serial,
+                method,
+                texels,
+            } => {
+                if let Some(slot) = self.slot(serial, What::Method(method)) {
+                    self.map = Some((slot, texels));
+                }
+            }
             Update::Times { times, .. } => self.add_run(times),
             Update::Done { serial } => {
                 self.done = self.expected.back().is_some_and(|e| e.serial == serial);

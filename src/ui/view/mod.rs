@@ -1,6 +1,19 @@
-//! The middle of the window: the pictures.
+//! The middle of the window: a bar, and the pictures in one of seven ways.
+
+mod bar;
+mod caption;
+pub mod colour_bar;
+mod keys;
+mod layout;
+mod navigate;
+mod picture;
+mod play;
+
+pub use keys::KEYS;
+pub use play::Play;
 
 use super::app::{App, Slot};
+use super::lower::Lower;
 use eframe::egui;
 
 /// How pictures are compared.
@@ -54,7 +67,7 @@ impl Mode {
         matches!(self, Self::Split | Self::SideBySide | Self::Flicker)
     }
 
-    /// Can it be drawn without the truth?
+    /// Does it show nothing without the truth?
     pub fn needs_truth(self) -> bool {
         matches!(self, Self::Difference | Self::Truth)
     }
@@ -65,15 +78,39 @@ impl Mode {
 pub struct Pane {
     /// Place of the divider of [`Mode::Split`], 0…1.
     pub divider: f32,
-    /// Method whose light map is open.
-    pub map: Option<usize>,
+    /// What is open under the pictures.
+    pub lower: Option<Lower>,
+    /// The side, 0 or 1, whose light map is shown there.
+    pub map_side: usize,
+    /// Where [`Mode::Flicker`] is.
+    pub flicker: Flicker,
 }
+
+/// A and B in turn.
+#[derive(Clone, Copy, Debug)]
+pub struct Flicker {
+    /// The side on the screen.
+    pub side: usize,
+    /// It changes once a second.
+    pub by_itself: bool,
+    /// When it changed last, seconds of the window's clock.
+    since_s: f64,
+}
+
+/// How long a side of [`Mode::Flicker`] stays, seconds.
+const FLICKER_S: f64 = 1.0;
 
 impl Default for Pane {
     fn default() -> Self {
         Self {
             divider: 0.5,
-            map: None,
+            lower: None,
+            map_side: 0,
+            flicker: Flicker {
+                side: 0,
+                by_itself: true,
+                since_s: 0.0,
+            },
         }
     }
 }
@@ -81,28 +118,69 @@ impl Default for Pane {
 impl Pane {
     /// Index of the method whose light map is wanted.
     pub fn map_of(&self) -> Option<usize> {
-        self.map
+        (self.lower == Some(Lower::Map)).then_some(self.map_side)
     }
+}
+
+impl Flicker {
+    /// Shows the other side.
+    pub fn flip(&mut self, now_s: f64) {
+        self.side = 1 - self.side.min(1);
+        self.since_s = now_s;
+    }
+
+    /// Flips when it is time; the seconds until the next time.
+    fn advance(&mut self, now_s: f64) -> Option<f64> {
+        if !self.by_itself {
+            return None;
+        }
+        if now_s - self.since_s >= FLICKER_S {
+            self.flip(now_s);
+        }
+        Some(FLICKER_S - (now_s - self.since_s))
+    }
+}
+
+/// What a picture is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Subject {
+    /// What the worker drew for a slot.
+    Slot(Slot),
+    /// The method A minus the truth.
+    Difference,
 }
 
 /// Draws the bar and the pictures.
 pub fn draw(app: &mut App, ui: &mut egui::Ui) {
-    ui.horizontal(|ui| {
-        for mode in Mode::ALL {
-            ui.selectable_value(&mut app.mode, mode, mode.name());
-        }
-    });
-    let slot = if app.mode == Mode::Truth {
-        Slot::Truth
-    } else {
-        Slot::Side(0)
-    };
-    if let Some(picture) = app.shown.picture(slot) {
-        let image = egui::Image::new(&picture.texture)
-            .fit_to_exact_size(ui.available_size())
-            .maintain_aspect_ratio(true);
-        ui.add(image);
-    } else {
-        ui.spinner();
+    keys::act(app, ui);
+    play::advance(app, ui.ctx());
+    bar::draw(app, ui);
+    let area = ui.available_rect_before_wrap();
+    if !picture::has_room(area) {
+        return;
+    }
+    ui.allocate_rect(area, egui::Sense::hover());
+    layout::draw(app, ui, area);
+}
+
+/// Chooses a way to compare; the truth is rendered if it shows nothing without.
+fn choose(app: &mut App, mode: Mode) {
+    app.mode = mode;
+    app.want_truth |= mode.needs_truth();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flicker_changes_once_a_second_unless_it_is_held() {
+        let mut flicker = Pane::default().flicker;
+        assert_eq!(flicker.advance(0.25), Some(0.75));
+        assert_eq!((flicker.advance(1.5), flicker.side), (Some(1.0), 1));
+        flicker.flip(1.75);
+        assert_eq!((flicker.advance(2.0), flicker.side), (Some(0.75), 0));
+        flicker.by_itself = false;
+        assert_eq!((flicker.advance(9.0), flicker.side), (None, 0));
     }
 }

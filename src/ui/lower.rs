@@ -1,0 +1,71 @@
+//! The panel under the pictures: curves along a light column, or a light map.
+
+use super::app::App;
+use super::{map, probe};
+use eframe::egui;
+
+/// What it shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Lower {
+    /// T(d) along a light column.
+    Probe,
+    /// The light map of a method.
+    Map,
+}
+
+/// The smallest height, points.
+const LEAST: f32 = 60.0;
+
+impl Lower {
+    /// Its tabs.
+    pub const ALL: [Self; 2] = [Self::Probe, Self::Map];
+
+    /// Its name on the bar.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Probe => "Probe",
+            Self::Map => "Light map",
+        }
+    }
+
+    /// What it is for.
+    pub fn explained(self) -> &'static str {
+        match self {
+            Self::Probe => "Transmittance of every method along the light through a clicked pixel",
+            Self::Map => "What the light map of A or B holds",
+        }
+    }
+}
+
+/// Draws the panel if it is open.
+pub fn draw(app: &mut App, ui: &mut egui::Ui) {
+    let Some(lower) = app.pane.lower else {
+        return;
+    };
+    let most = (ui.available_height() * 0.6).max(LEAST);
+    egui::Panel::bottom("lower")
+        .default_size(240.0)
+        .size_range(LEAST..=most)
+        .resizable(true)
+        .show(ui, |ui| match lower {
+            Lower::Probe => probe::draw(app, ui),
+            Lower::Map => map::draw(app, ui),
+        });
+}
+
+/// The tabs, at the start of the first line of either.
+pub fn tabs(app: &mut App, ui: &mut egui::Ui) {
+    for lower in Lower::ALL {
+        let chosen = app.pane.lower == Some(lower);
+        let tab = ui.selectable_label(chosen, lower.name());
+        if tab.on_hover_text(lower.explained()).clicked() {
+            app.pane.lower = Some(lower);
+        }
+    }
+    let close = ui.small_button("Close");
+    if close.on_hover_text("Close this panel").clicked() {
+        app.pane.lower = None;
+    }
+    ui.separator();
+}
