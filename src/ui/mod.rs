@@ -7,12 +7,20 @@
 
 mod app;
 mod banner;
+mod batch;
 mod controls;
+mod files;
+mod help;
 mod measure;
+mod menu;
+mod outside;
+mod remember;
 mod shown;
 mod view;
 
 pub use app::App;
+pub use files::Purpose;
+pub use remember::file as remembered_in;
 pub use view::Mode;
 
 use crate::error::{Error, Result};
@@ -57,7 +65,8 @@ pub fn open(gpu: Gpu, options: Options) -> Result<()> {
         let ctx = cc.egui_ctx.clone();
         let adapter = gpu.environment().adapter;
         let live = Live::start(gpu, options.shaders, move || ctx.request_repaint());
-        let app = App::new(live, adapter, options.state, options.start)?.ending_in(told);
+        let app = App::remembering(live, adapter, options.state, remembered_in(), options.start)?
+            .ending_in(told);
         Ok(Box::new(app) as Box<dyn eframe::App>)
     });
     eframe::run_native("occlab", native, create).map_err(|error| {
