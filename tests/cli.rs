@@ -225,3 +225,19 @@ fn without_an_adapter_the_error_names_the_package_to_install() {
         .unwrap();
     refused(&output, &["no Vulkan", "mesa-vulkan-drivers"]);
 }
+
+#[cfg(all(feature = "ui", target_os = "linux"))]
+#[test]
+fn without_a_display_the_window_says_how_to_go_on() {
+    let folder = workplace(|_, _| {});
+    for arguments in [&["view", "slab.json"][..], &[]] {
+        let mut command = occlab(folder.path());
+        for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            command.env_remove(name);
+        }
+        let output = command.args(arguments).output().unwrap();
+        refused(&output, &["no display", "occlab render", "occlab batch"]);
+        assert_eq!(stderr(&output).trim_end().lines().count(), 1);
+        assert!(output.stdout.is_empty());
+    }
+}

@@ -11,7 +11,8 @@ use std::time::Instant;
 
 #[derive(clap::Args, Default)]
 pub struct View {
-    /// Scene or experiment file, or the name of a scene in configs/scenes; default: where the last window was left.
+    /// Scene or experiment file, or the name of a scene in configs/scenes; default: where the last window was left (a file
+    /// in the user's data folder, or OCCLAB_STATE).
     scene: Option<PathBuf>,
     /// Part of the adapter's name; default: the fastest kind.
     #[arg(long, value_name = "NAME")]

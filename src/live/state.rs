@@ -1,6 +1,6 @@
 //! What is looked at, as the JSON that a batch reads.
 
-use crate::config::{expand, load_experiment, load_scene};
+use crate::config::{Experiment, expand, load_experiment, load_scene, parse_experiment};
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
 use crate::occlusion::{MethodSetup, Registry, find};
@@ -45,25 +45,33 @@ impl State {
         if !is_experiment {
             return Self::new(load_scene(path)?);
         }
-        let matrix = expand(&load_experiment(path)?, &Registry)?;
+        Self::first_of(&load_experiment(path)?)
+    }
+
+    /// The state that [`State::experiment`] described; `place` is for messages.
+    pub fn parse(place: &Path, text: String) -> Result<Self> {
+        Self::first_of(&parse_experiment(place, text)?)
+    }
+
+    /// The first view of an experiment; a lone method is both A and B.
+    fn first_of(experiment: &Experiment) -> Result<Self> {
+        let matrix = expand(experiment, &Registry)?;
         let view = matrix.views.first().ok_or_else(|| {
             Error::input(
-                path.display().to_string(),
+                experiment.document().path().display().to_string(),
                 "the experiment has no view",
                 "Give it a scene and a method.",
             )
         })?;
-        let mut methods = view.cells.iter().map(|cell| {
-            Ok(MethodSetup {
-                method: find(&cell.method)?,
-                params: cell.params.clone(),
-            })
-        });
         let mut state = Self::new(view.scene.clone())?;
         state.image = view.image;
-        for method in &mut state.methods {
-            if let Some(setup) = methods.next() {
-                *method = setup?;
+        let cells = [view.cells.first(), view.cells.get(1).or(view.cells.first())];
+        for (method, cell) in state.methods.iter_mut().zip(cells) {
+            if let Some(cell) = cell {
+                *method = MethodSetup {
+                    method: find(&cell.method)?,
+                    params: cell.params.clone(),
+                };
             }
         }
         Ok(state)

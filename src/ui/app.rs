@@ -4,7 +4,7 @@ use super::map::MapView;
 use super::probe::Asked;
 use super::shown::Shown;
 use super::view::{Mode, Pane, Play};
-use super::{banner, controls, lower, measure};
+use super::{banner, batch, controls, files, help, lower, measure, menu, remember};
 use crate::config::load_scene;
 use crate::error::{Error, Result};
 use crate::live::{Live, Request, State, Update};
@@ -51,6 +51,11 @@ pub struct App {
     /// What it was opened with, for `reset`.
     pub(super) initial: State,
     pub(super) banners: banner::Banners,
+    pub(super) files: files::Files,
+    pub(super) batch: batch::Batch,
+    pub(super) memory: remember::Memory,
+    /// The list of keys is open.
+    pub(super) help: bool,
     sent: Option<Request>,
     serial: u64,
     start: Instant,
@@ -92,6 +97,10 @@ impl App {
             repeat: false,
             undoer: Undoer::default(),
             banners: banner::Banners::default(),
+            files: files::Files::default(),
+            batch: batch::Batch::default(),
+            memory: remember::Memory::default(),
+            help: false,
             sent: None,
             serial: 0,
             start,
@@ -105,7 +114,7 @@ impl App {
     }
 
     /// Replaces what is looked at.
-    pub(super) fn show_state(&mut self, state: State) {
+    pub fn show_state(&mut self, state: State) {
         self.state = state;
         self.scene_file = None;
     }
@@ -181,6 +190,11 @@ impl App {
         self.sent = Some(request);
     }
 
+    /// Sends the next request even if nothing changed.
+    pub(super) fn ask_again(&mut self) {
+        self.sent = None;
+    }
+
     /// The last request, for probes.
     pub(super) fn sent(&self) -> Option<&Request> {
         self.sent.as_ref()
@@ -195,7 +209,8 @@ impl App {
     pub fn draw(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         self.receive(&ctx);
-        egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
+        menu::keys(self, &ctx);
+        egui::Panel::top("menu").show(ui, |ui| menu::draw(self, ui));
         egui::Panel::top("banners")
             .show_separator_line(false)
             .resizable(false)
@@ -212,25 +227,12 @@ impl App {
             });
         lower::draw(self, ui);
         egui::CentralPanel::default().show(ui, |ui| super::view::draw(self, ui));
+        files::draw(self, &ctx);
+        batch::draw(self, &ctx);
+        help::draw(self, &ctx);
         self.undoer.feed_state(ctx.input(|i| i.time), &self.state);
         self.request();
-    }
-
-    fn menu(&mut self, ui: &mut egui::Ui) {
-        egui::MenuBar::new().ui(ui, |ui| {
-            ui.menu_button("Edit", |ui| {
-                if ui.button("Undo").clicked() {
-                    self.undo();
-                }
-                if ui.button("Redo").clicked() {
-                    self.redo();
-                }
-                if ui.button("Reset").clicked() {
-                    self.state = self.initial.clone();
-                }
-            });
-            egui::widgets::global_theme_preference_buttons(ui);
-        });
+        self.remember(&ctx);
     }
 
     pub(super) fn undo(&mut self) {
@@ -249,6 +251,10 @@ impl App {
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.draw(ui);
+    }
+
+    fn on_exit(&mut self) {
+        self.remember_at_exit();
     }
 }
 

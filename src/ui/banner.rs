@@ -20,6 +20,16 @@ impl Banners {
         self.said = Some(message);
     }
 
+    /// Both, without decoration.
+    pub fn text(&self) -> String {
+        let both = [&self.shaders, &self.said];
+        both.into_iter()
+            .flatten()
+            .cloned()
+            .collect::<Vec<_>>()
+            .join(" ")
+    }
+
     /// Draws what there is.
     pub fn draw(&mut self, ui: &mut egui::Ui) {
         if let Some(problem) = &self.shaders {

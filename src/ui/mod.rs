@@ -7,17 +7,25 @@
 
 mod app;
 mod banner;
+mod batch;
 mod controls;
+mod files;
+mod help;
 mod ink;
 mod lower;
 mod map;
 mod measure;
+mod menu;
+mod outside;
 mod probe;
+mod remember;
 mod shown;
 mod view;
 
 pub use app::App;
-pub use view::{KEYS, Mode};
+pub use files::Purpose;
+pub use remember::file as remembered_in;
+pub use view::Mode;
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -61,7 +69,8 @@ pub fn open(gpu: Gpu, options: Options) -> Result<()> {
         let ctx = cc.egui_ctx.clone();
         let adapter = gpu.environment().adapter;
         let live = Live::start(gpu, options.shaders, move || ctx.request_repaint());
-        let app = App::new(live, adapter, options.state, options.start)?.ending_in(told);
+        let app = App::remembering(live, adapter, options.state, remembered_in(), options.start)?
+            .ending_in(told);
         Ok(Box::new(app) as Box<dyn eframe::App>)
     });
     eframe::run_native("occlab", native, create).map_err(|error| {
