@@ -145,9 +145,6 @@ fn a_picture_whose_bytes_do_not_fit_64_bits_is_refused() {
     // The product of the second pair is 2^60 + 2^15: its bytes, modulo 2^64, are those of a small picture.
     for (width, height) in [("4294967295", "4294967295"), ("1073774592", "1073709057")] {
         let size = ["--width", width, "--height", height];
-        refused(
-            &render(folder.path(), &size),
-            &[width, " allow"],
-        );
+        refused(&render(folder.path(), &size), &[width, " allow"]);
     }
 }
