@@ -32,7 +32,7 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(app, ui));
         ui.menu_button("Edit", |ui| edit(app, ui));
-        ui.menu_button("View", |ui| view(ui));
+        ui.menu_button("View", view);
         ui.menu_button("Help", |ui| {
             if ui.button("Keys").clicked() {
                 app.help = true;

@@ -190,8 +190,6 @@ fn a_batch_runs_in_the_window_and_pictures_come_back() {
         .get_by_role_and_label(Role::Button, "Open report")
         .click();
     window.step();
-    window.step();
-    window.step();
     let commands = &window.output().platform_output.commands;
     let opened = commands.iter().any(
         |c| matches!(c, OutputCommand::OpenUrl(url) if url.url.starts_with("file:///") && url.url.ends_with("/small/index.html")),
