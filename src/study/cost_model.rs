@@ -276,6 +276,9 @@ fn own_reason(cost: &MethodCost, cells: &[&Cost], errors: &[f64]) -> String {
         signed_percent(cost.worst),
         percent(noisy)
     );
+    if noisy >= cost.worst.abs() {
+        text += " That is no more than noise.";
+    }
     if let Some((name, r)) = strongest.filter(|(_, r)| r.abs() >= 0.5) {
         text += &format!(" The errors go with {name}: correlation {r:.2}.");
     } else if let Some((_, r)) = strongest {
