@@ -71,6 +71,11 @@ const CASES: &[Case] = &[
     case("fom", "storage=f32", "order=4 storage=f32"),
     case("fom", "bounds=texel", "bounds=map"),
     case("fom", "order=7 window=lanczos", "order=7"),
+    // Misprints of thesis M, kept to show what they do.
+    case("bsm", "sampling=quadratic", "sampling=midpoint"),
+    case("fom", "sampling=quadratic", "sampling=end"),
+    case("fom", "sines=first", "sines=own"),
+    case("fom", "step_length=metre", "step_length=own"),
     case(
         "fom",
         "order=5 window=fejer lookup=hardware",
