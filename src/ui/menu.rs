@@ -125,6 +125,10 @@ pub fn keys(app: &mut App, ctx: &egui::Context) {
     if ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::F1)) {
         app.help = !app.help;
     }
+    let escape = ctx.input(|i| i.key_pressed(Key::Escape));
+    if escape {
+        app.files.close();
+    }
     // A text that is being written has its own meaning for the keys below.
     if ctx.text_edit_focused() {
         return;
@@ -144,9 +148,8 @@ pub fn keys(app: &mut App, ctx: &egui::Context) {
     if copies && selected != Some(true) {
         app.copy_picture(ctx);
     }
-    if ctx.input(|i| i.key_pressed(Key::Escape)) {
+    if escape {
         app.help = false;
-        app.files.close();
         app.batch.close();
     }
 }

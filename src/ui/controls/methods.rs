@@ -91,7 +91,7 @@ fn parameter(ui: &mut egui::Ui, title: &str, spec: &'static ParamSpec, setup: &m
     let default = spec.default_value();
     if new != default
         && ui
-            .small_button("↺")
+            .small_button("Reset")
             .on_hover_text(format!("Back to {default}"))
             .clicked()
     {
