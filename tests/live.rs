@@ -10,7 +10,7 @@ use occlab::frame::Frame;
 use occlab::gpu::Gpu;
 use occlab::live::{Live, Request, State, Update, What, Where};
 use occlab::occlusion::MethodSetup;
-use occlab::raymarch::{BATCH_TILE_MS, Renderer, unwatched};
+use occlab::raymarch::{Renderer, Tiling, unwatched};
 use occlab::scene::{ImageSize, March, Scene};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -237,8 +237,11 @@ fn tiles_of_any_length_make_the_same_picture() {
         ("floor", "resolution=33 steps=9"),
     ] {
         let setup = common::setup(id, params);
-        let mut pictures = [0.0, 0.5, BATCH_TILE_MS].map(|tile_ms| {
-            renderer.tile_ms = tile_ms;
+        let mut pictures = [0.0, 0.5, Tiling::BATCH.target_ms].map(|target_ms| {
+            renderer.tiling = Tiling {
+                target_ms,
+                ..Tiling::BATCH
+            };
             let view = renderer.view(&scene(), IMAGE).unwrap();
             let prepared = renderer.prepare(&view, &setup).unwrap();
             let mut shares = Vec::new();
@@ -252,7 +255,7 @@ fn tiles_of_any_length_make_the_same_picture() {
                 shares.is_sorted() && shares.last() == Some(&1.0),
                 "{shares:?}"
             );
-            assert!(shares.len() > 3 || tile_ms > 1.0);
+            assert!(shares.len() > 3 || target_ms > 1.0);
             view.read(&renderer.gpu).unwrap()
         });
         let last = pictures[2].clone();

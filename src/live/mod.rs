@@ -28,15 +28,6 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use update::Sender;
 
-/// Duration that a dispatch aims at while a window waits for the same queue, ms: a frame of the screen; on a software
-/// adapter, which needs longer for the window itself, a few.
-fn tile_ms(gpu: &Gpu) -> f64 {
-    match gpu.is_software() {
-        true => 60.0,
-        false => 16.0,
-    }
-}
-
 /// What somebody wants to see.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {

@@ -1,9 +1,9 @@
 //! The worker's loop.
 
+use super::Request;
 use super::mailbox::{Job, Mailbox};
 use super::stage::{Finished, Stage, coarser, filled};
 use super::update::{Rgb, Sender, Update, What};
-use super::{Request, tile_ms};
 use crate::backend::{Backend, View};
 use crate::batch;
 use crate::config::load_experiment;
@@ -12,8 +12,9 @@ use crate::frame::Frame;
 use crate::gpu::{Gpu, Sources};
 use crate::metrics::{compare, difference_picture};
 use crate::occlusion::MethodSetup;
+use crate::occlusion::param::ParamValue;
 use crate::raymarch::reference::cache_folder;
-use crate::raymarch::{Renderer, unwatched};
+use crate::raymarch::{Renderer, Tiling, unwatched};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -30,11 +31,14 @@ const UNKNOWN_FACTOR: u32 = 4;
 /// The coarsest first picture.
 const MOST_FACTOR: u32 = 8;
 
+/// Edge of the smallest map of a first picture, texels.
+const LEAST_MAP: i64 = 32;
+
 /// Takes jobs until it is told to stop.
 pub(super) fn work(gpu: Gpu, shaders: Option<PathBuf>, mailbox: &Mailbox, sender: Sender) {
-    let tile_ms = tile_ms(&gpu);
+    let tiling = Tiling::beside_a_window(&gpu);
     let mut renderer = Renderer::new(gpu);
-    renderer.tile_ms = tile_ms;
+    renderer.tiling = tiling;
     let mut worker = Worker {
         backend: Backend::Device(Box::new(renderer)),
         mailbox,
@@ -220,6 +224,16 @@ impl Worker<'_> {
     }
 }
 
+/// The method with a map as coarse as its first picture: on a slow adapter the map takes longest.
+fn preview(setup: &MethodSetup, factor: u32) -> MethodSetup {
+    let mut setup = setup.clone();
+    if let Some(ParamValue::Int(resolution)) = setup.params.get("resolution") {
+        let coarse = (resolution / i64::from(factor)).max(resolution.min(LEAST_MAP));
+        setup.params.set("resolution", ParamValue::Int(coarse));
+    }
+    setup
+}
+
 /// One request being served.
 struct Show<'a, 'w> {
     worker: &'a mut Worker<'w>,
@@ -275,7 +289,10 @@ impl Show<'_, '_> {
         }
         let image = coarser(self.request.image, factor);
         let view = self.worker.backend.view(&self.request.scene, image)?;
-        let prepared = self.worker.backend.prepare(&view, setup)?;
+        let prepared = self
+            .worker
+            .backend
+            .prepare(&view, &preview(setup, factor))?;
         let (worker, shown) = (&*self.worker, self.shown);
         prepared.run(&mut |_| match shown {
             true => worker.superseded(),

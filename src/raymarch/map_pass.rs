@@ -44,8 +44,8 @@ impl MapPass {
         let mut inputs = inputs.clone();
         let counts = counting.then(|| counts_buffer(gpu, [texture.resolution; 2]));
         offer_counts(&mut inputs, counts.as_ref());
-        let threads = renderer.tile_ms * SLOW_SAMPLES_A_MS / f64::from(texture.steps);
-        let tiles = Tiles::new(gpu, &mut inputs, renderer.tile_ms, threads);
+        let threads = renderer.tiling.target_ms * SLOW_SAMPLES_A_MS / f64::from(texture.steps);
+        let tiles = Tiles::new(gpu, &mut inputs, renderer.tiling, threads);
         let groups = kernel.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
         Ok(Self {
             kernel,

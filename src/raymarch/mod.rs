@@ -17,7 +17,7 @@ pub use map_texels::MapTexels;
 pub use prepared::Prepared;
 pub(crate) use temporal::check_size;
 pub use temporal::{History, Temporal, history_bytes};
-pub use tiles::BATCH_TILE_MS;
+pub use tiles::Tiling;
 pub use view::View;
 
 use crate::density::DensityField;
@@ -47,8 +47,8 @@ pub fn unwatched(_share: f64) -> ControlFlow<()> {
 pub struct Renderer {
     /// The device.
     pub gpu: Gpu,
-    /// Duration that a dispatch aims at, ms; of methods prepared from now on. See [`BATCH_TILE_MS`].
-    pub tile_ms: f64,
+    /// How passes of methods prepared from now on are cut.
+    pub tiling: Tiling,
     kernels: RefCell<HashMap<KernelKey, Rc<Kernel>>>,
     /// The last density field: consecutive views often differ in sun or image size alone.
     density: RefCell<Option<(String, Rc<DensityField>)>>,
@@ -62,7 +62,7 @@ impl Renderer {
     pub fn new(gpu: Gpu) -> Self {
         Self {
             gpu,
-            tile_ms: BATCH_TILE_MS,
+            tiling: Tiling::BATCH,
             kernels: RefCell::default(),
             density: RefCell::default(),
         }

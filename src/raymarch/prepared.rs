@@ -88,7 +88,7 @@ impl Prepared {
         let march_counts = counting.then(|| counts_buffer(gpu, image));
         offer_counts(&mut inputs, march_counts.as_ref());
         let threads = f64::from(image[0]) * f64::from(FIRST_TILE_ROWS);
-        let tiles = Tiles::new(gpu, &mut inputs, renderer.tile_ms, threads);
+        let tiles = Tiles::new(gpu, &mut inputs, renderer.tiling, threads);
         let bind = |into| march.bind(gpu, &[into, &inputs, &view.inputs, &view.density.inputs]);
         let groups = match quarters {
             [] => vec![bind(&Inputs::default())?],

@@ -8,14 +8,44 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// Duration that tiles aim at where nothing else waits for the queue, ms.
-pub const BATCH_TILE_MS: f64 = 400.0;
+/// How a pass is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tiling {
+    /// Duration that a tile aims at, ms.
+    pub target_ms: f64,
+    /// About the most tiles of a pass, even when each is then longer: what else waits for the queue stretches the time
+    /// that a tile seems to take.
+    pub most: u32,
+}
+
+impl Tiling {
+    /// Nothing else waits for the queue: only the driver's patience counts.
+    pub const BATCH: Self = Self {
+        target_ms: 400.0,
+        most: u32::MAX,
+    };
+
+    /// A window waits for the same queue: a frame of the screen a tile; on a software adapter, which needs longer for the
+    /// window itself, a few.
+    pub fn beside_a_window(gpu: &Gpu) -> Self {
+        match gpu.is_software() {
+            true => Self {
+                target_ms: 60.0,
+                most: 24,
+            },
+            false => Self {
+                target_ms: 16.0,
+                most: 256,
+            },
+        }
+    }
+}
 /// Density samples a millisecond that the slowest adapter of interest takes: for tiles before the first was timed.
 pub(super) const SLOW_SAMPLES_A_MS: f64 = 5e4;
 
 /// Cuts a rectangle of threads into tiles: whole bands while a band fits the aim, else parts of the lowest band.
 pub(super) struct Tiles {
-    target_ms: f64,
+    tiling: Tiling,
     threads: Cell<f64>,
     uniform: wgpu::Buffer,
 }
@@ -39,13 +69,13 @@ pub(super) struct Pass<'a> {
 }
 
 impl Tiles {
-    /// Tiles that aim at `target_ms`, the first of about `threads` threads. The kernel finds them in the uniform `tile`.
-    pub fn new(gpu: &Gpu, inputs: &mut Inputs, target_ms: f64, threads: f64) -> Self {
+    /// Tiles of a pass, the first of about `threads` threads. The kernel finds them in the uniform `tile`.
+    pub fn new(gpu: &Gpu, inputs: &mut Inputs, tiling: Tiling, threads: f64) -> Self {
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
         let uniform = gpu.buffer("tile", &[0; 24], usage);
         inputs.resource("tile", Resource::Buffer(uniform.clone()));
         Self {
-            target_ms,
+            tiling,
             threads: Cell::new(threads),
             uniform,
         }
@@ -56,10 +86,12 @@ impl Tiles {
     pub fn run(&self, gpu: &Gpu, pass: &Pass, progress: Progress) -> Result<Option<f64>> {
         let [width, height] = pass.size;
         let [all_steps, steps] = pass.steps;
+        let least = f64::from(width) * f64::from(height) / f64::from(self.tiling.most);
         let mut total_ms = None;
         let mut at = Some([0, 0]);
         while let Some([x, y]) = at {
-            let tile = cut(pass.size, pass.kernel.workgroup, [x, y], self.threads.get());
+            let threads = self.threads.get().max(least);
+            let tile = cut(pass.size, pass.kernel.workgroup, [x, y], threads);
             let start = Instant::now();
             let mut step = 0;
             while step < all_steps {
@@ -89,7 +121,7 @@ impl Tiles {
     fn adapt(&self, tile: Tile, ms: f64) {
         let threads = f64::from(tile.size[0]) * f64::from(tile.size[1]);
         self.threads
-            .set(threads * (self.target_ms / ms.max(0.01)).min(2.0));
+            .set(threads * (self.tiling.target_ms / ms.max(0.01)).min(2.0));
     }
 
     fn dispatch(

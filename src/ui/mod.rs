@@ -47,11 +47,18 @@ pub struct Options {
 
 /// Opens the window on `gpu` and returns when it is closed.
 pub fn open(gpu: Gpu, options: Options) -> Result<()> {
+    // One device for both, except on llvmpipe: after a frame of the window it would put off the timestamps of the
+    // passes behind it until the next, so that they measure nothing.
+    let own = match gpu.is_software() {
+        true => Some(Gpu::new(Some(&gpu.info.name))?),
+        false => None,
+    };
+    let screen = own.as_ref().unwrap_or(&gpu);
     let wgpu_setup = eframe::egui_wgpu::WgpuSetupExisting {
-        instance: gpu.instance.clone(),
-        adapter: gpu.adapter.clone(),
-        device: gpu.device.clone(),
-        queue: gpu.queue.clone(),
+        instance: screen.instance.clone(),
+        adapter: screen.adapter.clone(),
+        device: screen.device.clone(),
+        queue: screen.queue.clone(),
     };
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
