@@ -33,12 +33,11 @@ impl Banners {
     /// Draws what there is.
     pub fn draw(&mut self, ui: &mut egui::Ui) {
         if let Some(problem) = &self.shaders {
-            ui.colored_label(
-                ui.visuals().error_fg_color,
-                format!(
-                    "The shaders on disk do not compile; the ones before are in use. {problem}"
-                ),
-            );
+            let colour = ui.visuals().error_fg_color;
+            let what = "The shaders on disk do not compile; the ones before are in use.";
+            ui.colored_label(colour, what);
+            // The compiler points into lines, with signs that only this font has.
+            ui.label(egui::RichText::new(problem).monospace().color(colour));
         }
         let Some(said) = &self.said else {
             return;

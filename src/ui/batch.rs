@@ -138,6 +138,12 @@ fn failure(cell: &Cell) -> Option<String> {
 /// A batch under way; `true`: it is to end.
 fn progress(run: &Run, ui: &mut egui::Ui) -> bool {
     ui.label("Pictures in the window wait until the batch is over.");
+    // Above what changes its height: the button stays where it is.
+    let button = egui::Button::new(if run.cancelled { "Ending…" } else { "Cancel" });
+    let cancel = ui
+        .add_enabled(!run.cancelled, button)
+        .on_hover_text("Finished cells are kept; run the same file again to go on")
+        .clicked();
     let share = run.done as f32 / run.cells.max(1) as f32;
     let bar = egui::ProgressBar::new(share).text(format!("{} of {} cells", run.done, run.cells));
     ui.add(bar);
@@ -146,13 +152,7 @@ fn progress(run: &Run, ui: &mut egui::Ui) -> bool {
         ui.add(egui::ProgressBar::new(*share).show_percentage());
     }
     messages(run, ui);
-    if run.cancelled {
-        ui.label("Ending…");
-        return false;
-    }
-    ui.button("Cancel")
-        .on_hover_text("Finished cells are kept; run the same file again to go on")
-        .clicked()
+    cancel
 }
 
 /// A batch that is over; `true`: its window is to be closed.

@@ -211,6 +211,7 @@ fn a_cancelled_batch_says_where_its_cells_are() {
     until(&mut window, "the plan", |w| {
         says(w, "Pictures in the window wait")
     });
+    window.run_steps(3);
     window.get_by_role_and_label(Role::Button, "Cancel").click();
     until(&mut window, "the end", |w| says(w, "Cancelled after"));
     settle(&mut window);
