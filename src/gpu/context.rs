@@ -47,12 +47,18 @@ pub struct AdapterSummary {
     pub max_texture_2d: u32,
 }
 
+/// Vulkan, Metal, Direct3D 12. The window's toolkit brings OpenGL too, whose adapters lack what the marcher needs.
+const BACKENDS: wgpu::Backends = wgpu::Backends::PRIMARY;
+
 fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: BACKENDS,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    })
 }
 
 fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
-    pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
+    pollster::block_on(instance.enumerate_adapters(BACKENDS))
 }
 
 /// Every adapter of this machine; empty when there is no driver.

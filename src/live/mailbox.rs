@@ -43,10 +43,11 @@ impl Mailbox {
         self.filled.notify_one();
     }
 
-    pub fn cancel_batch(&self) {
+    /// Ends the batch under way; `true`: it was still waiting, and nobody will say that it is over.
+    pub fn cancel_batch(&self) -> bool {
         let mut inbox = self.lock();
         inbox.cancel = true;
-        inbox.batch = None;
+        inbox.batch.take().is_some()
     }
 
     pub fn stop(&self) {

@@ -90,7 +90,10 @@ impl Live {
 
     /// Stops the batch under way; its finished cells are kept.
     pub fn cancel_batch(&self) {
-        self.mailbox.cancel_batch();
+        if self.mailbox.cancel_batch() {
+            let stopped = Err(crate::Error::Stopped.to_string());
+            self.sender.send(Update::BatchDone(stopped));
+        }
     }
 
     /// Asks for T(d) of `methods` along one light column, which the oracle computes beside the worker.

@@ -16,22 +16,26 @@ pub fn draw(app: &mut App, ctx: &egui::Context) {
     egui::Window::new("Keys")
         .open(&mut open)
         .collapsible(false)
-        .resizable(false)
+        .auto_sized()
         .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
-        .max_height(ctx.content_rect().height() - 80.0)
-        .vscroll(true)
         .show(ctx, |ui| {
-            for (title, keys) in TABLES {
-                ui.strong(*title);
-                egui::Grid::new(title).num_columns(2).show(ui, |ui| {
-                    for (key, what) in *keys {
-                        ui.monospace(*key);
-                        ui.label(*what);
-                        ui.end_row();
-                    }
-                });
-                ui.add_space(6.0);
-            }
+            let height = ctx.content_rect().height() - 80.0;
+            let scroll = egui::ScrollArea::vertical().max_height(height);
+            scroll.show(ui, tables);
         });
     app.help = open;
+}
+
+fn tables(ui: &mut egui::Ui) {
+    for (title, keys) in TABLES {
+        ui.strong(*title);
+        egui::Grid::new(title).num_columns(2).show(ui, |ui| {
+            for (key, what) in *keys {
+                ui.monospace(*key);
+                ui.label(*what);
+                ui.end_row();
+            }
+        });
+        ui.add_space(6.0);
+    }
 }

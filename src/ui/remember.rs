@@ -125,15 +125,12 @@ impl App {
         self.memory.theme = ctx.options(|o| o.theme_preference);
         self.finish_writing(false);
         let now = self.now();
-        let Some((written, at)) = &self.memory.written else {
-            // What is shown first is what was remembered, or a default.
-            self.memory.written = Some((now, Instant::now()));
-            return;
+        let rest = match &self.memory.written {
+            Some((written, _)) if *written == now => return,
+            Some((_, at)) => PAUSE.saturating_sub(at.elapsed()),
+            None => Duration::ZERO,
         };
-        if *written == now {
-            return;
-        }
-        if let Some(rest) = PAUSE.checked_sub(at.elapsed()).filter(|r| !r.is_zero()) {
+        if !rest.is_zero() {
             ctx.request_repaint_after(rest);
         } else if self.memory.writer.is_none() && now.state.scene.validate().is_ok() {
             self.write(now);

@@ -2,8 +2,8 @@
 
 use super::common;
 use super::program::{occlab, stderr, workplace};
-use super::window::{Window, live, says, settle, tiny_state, until, window};
-use eframe::egui::{Event, Key, Modifiers, OutputCommand, accesskit::Role};
+use super::window::{Window, live, says, settle, tiny_state, until, window, window_of};
+use eframe::egui::{Event, Key, Modifiers, OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use occlab::frame::{read_frame, read_image};
 use occlab::live::State;
@@ -124,6 +124,16 @@ fn the_window_opens_where_it_was_left() {
     other.scene.name = "another".into();
     let named = remembering(&file, Some(other.clone()));
     assert_eq!((named.state(), named.mode()), (&other, Mode::Difference));
+    drop(named);
+
+    // What was named and only looked at is where the next window goes on.
+    let shown = Some(other.clone());
+    let mut window = window_of([640.0, 360.0], Theme::Dark, None, |live, name| {
+        App::remembering(live, name, shown, Some(file.clone()), Instant::now()).unwrap()
+    });
+    settle(&mut window);
+    window.state_mut().remember_at_exit();
+    assert_eq!(remembering(&file, None).state(), &other);
 }
 
 #[test]
