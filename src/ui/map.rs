@@ -74,7 +74,8 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
         ui.take_available_space();
         return;
     };
-    let value = app.map_view.value.min(texels.values_a_texel as usize - 1);
+    let last = (texels.values_a_texel as usize).saturating_sub(1);
+    let value = app.map_view.value.min(last);
     app.map_view.paint(ui.ctx(), &texels, value);
     if ui.available_width() >= 16.0 && ui.available_height() >= 16.0 {
         picture(app, ui, &setup);
@@ -270,7 +271,7 @@ fn about(ui: &mut egui::Ui, painted: &Painted, texel: Option<[u32; 2]>) {
     }
 }
 
-/// Six figures, as a power of ten where that is shorter.
+/// Four decimals, as a power of ten where the number is very large or small.
 fn number(value: f32) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) || !value.is_finite() {
         format!("{value:.4}")

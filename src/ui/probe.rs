@@ -29,7 +29,7 @@ impl App {
     }
 }
 
-/// Asks for the curves at a place and opens their panel, unless the place was found in the other one.
+/// Asks for the curves at a place and opens their panel.
 pub fn ask(app: &mut App, at: Where) {
     let Some(request) = app.sent() else {
         return;
@@ -91,8 +91,12 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
         };
         ui.label(format!("{place}{earlier}"));
         match &probed {
-            None => drop(ui.label("computing…")),
-            Some(Err(problem)) => drop(ui.colored_label(ui.visuals().error_fg_color, problem)),
+            None => {
+                ui.label("computing…");
+            }
+            Some(Err(problem)) => {
+                ui.colored_label(ui.visuals().error_fg_color, problem);
+            }
             Some(Ok(probed)) => {
                 let copy = ui.button("Copy CSV");
                 let hint = "The curves as a table: depth, extinction, truth, one column a method";
@@ -117,7 +121,8 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
 /// What the marks mean, and what the column holds.
 fn notes(probed: &Probed) -> Vec<String> {
     let probe = &probed.probe;
-    let tau = -probe.truth.last().copied().unwrap_or(1.0).ln();
+    // −ln 1 would be −0.
+    let tau = probe.truth.last().copied().unwrap_or(1.0).ln().abs();
     let mut notes = vec![format!("τ = {tau:.2}")];
     if let Some(seen_m) = probed.seen_m {
         notes.push(format!("seen at {seen_m:.0} m"));
@@ -127,7 +132,7 @@ fn notes(probed: &Probed) -> Vec<String> {
         notes.push("× outside the truth's range".to_owned());
     }
     if has(|c| c.clamped_from.is_some()) {
-        notes.push("◇ D_max sets in".to_owned());
+        notes.push("diamond: D_max sets in".to_owned());
     }
     notes
 }
@@ -146,7 +151,7 @@ fn chart(ui: &mut egui::Ui, names: &[String], probed: &Probed) {
     let response = Plot::new("probe")
         .legend(
             Legend::default()
-                .position(Corner::RightTop)
+                .position(Corner::LeftBottom)
                 .follow_insertion_order(true),
         )
         .x_axis_label("depth d inside the layer from its sun side (m)")

@@ -1,6 +1,7 @@
 //! What is said over a picture, and in place of one.
 
 use super::Subject;
+use crate::occlusion::param::ParamSpec;
 use crate::occlusion::{MethodSetup, REGISTRY};
 use crate::ui::app::{App, Slot};
 use eframe::egui::{self, Rect};
@@ -107,12 +108,18 @@ fn short(app: &App, subject: Subject) -> String {
     parts.join(" · ")
 }
 
-/// `steps 10, spacing quadratic`.
+/// `steps 10, spacing quadratic`: what differs from the defaults first.
 fn parameters(setup: &MethodSetup) -> String {
-    let parts = setup
-        .params
-        .iter()
-        .map(|(name, value)| format!("{name} {value}"));
+    let value = |spec: &&'static ParamSpec| setup.params.get(spec.name);
+    let changed =
+        |spec: &&'static ParamSpec| value(spec).is_some_and(|v| v != spec.default_value());
+    let specs: Vec<_> = setup.method.info().specs().collect();
+    let (first, last): (Vec<_>, Vec<_>) = specs.into_iter().partition(changed);
+    let parts = first.into_iter().chain(last);
+    let parts = parts.filter_map(|spec: &'static ParamSpec| {
+        let unit = if spec.unit == "m" { " m" } else { "" };
+        Some(format!("{} {}{unit}", spec.name, value(&spec)?))
+    });
     parts.collect::<Vec<_>>().join(", ")
 }
 

@@ -33,7 +33,7 @@ pub fn draw(ui: &egui::Ui, area: Rect, stops: &[(f32, [u8; 3])], labels: &[(f32,
     }
     painter.add(Shape::mesh(mesh));
     let color = ui.visuals().text_color();
-    let font = egui::TextStyle::Small.resolve(ui.style());
+    let font = egui::TextStyle::Body.resolve(ui.style());
     let last = labels.len().saturating_sub(1);
     let place = |i: usize| {
         let (position, text) = &labels[i];

@@ -59,8 +59,7 @@ fn flicker(app: &mut App, ui: &mut egui::Ui, area: Rect) {
 }
 
 fn split(app: &mut App, ui: &mut egui::Ui, area: Rect) {
-    let (strip, below) = picture::under_caption(area);
-    let rect = picture::fitted(below, app.state.image);
+    let (strip, rect) = picture::arranged(area, app.state.image);
     let x = rect.left() + app.pane.divider.clamp(0.0, 1.0) * rect.width();
     let parts = [rect.with_max_x(x), rect.with_min_x(x)];
     for (side, (strip, part)) in halves(strip).into_iter().zip(parts).enumerate() {
@@ -141,8 +140,8 @@ fn cells(app: &App) -> Vec<Subject> {
 fn columns(count: usize, area: Rect, image: ImageSize) -> usize {
     let size = |columns: usize| {
         let cell = cell(0, columns, count, area);
-        let (_, below) = picture::under_caption(cell);
-        picture::fitted(below, image).width()
+        let (_, rect) = picture::arranged(cell, image);
+        rect.width()
     };
     let better = |best: usize, columns| {
         if size(columns) > size(best) {
@@ -168,22 +167,22 @@ fn grid(app: &mut App, ui: &mut egui::Ui, area: Rect) {
     let columns = columns(cells.len(), area, app.state.image);
     for (i, subject) in cells.iter().enumerate() {
         let cell = cell(i, columns, cells.len(), area);
-        let (strip, below) = picture::under_caption(cell);
-        let rect = picture::fitted(below, app.state.image);
+        let (strip, rect) = picture::arranged(cell, app.state.image);
         caption::draw_short(app, ui, *subject, strip);
         picture::show(app, ui, *subject, rect, rect);
     }
 }
 
 fn difference(app: &mut App, ui: &mut egui::Ui, area: Rect) {
-    let y = (area.bottom() - SCALE).max(area.top());
-    picture::draw(app, ui, Subject::Difference, area.with_max_y(y));
+    let above = area.with_max_y((area.bottom() - SCALE).max(area.top()));
+    picture::draw(app, ui, Subject::Difference, above);
+    let (_, rect) = picture::arranged(above, app.state.image);
     let labels = [
         (-1.0, format!("−{DIFF_SCALE} (too dark)")),
         (0.0, "0, in mean sun-lit luminance".to_owned()),
         (1.0, format!("+{DIFF_SCALE} (too bright)")),
     ];
-    let bar = Rect::from_min_max(pos2(area.left(), y + GAP), area.max);
+    let bar = area.with_min_y((rect.bottom() + GAP).min(area.bottom()));
     colour_bar::draw(ui, bar, &FALSE_COLOUR_STOPS, &labels);
 }
 

@@ -1,7 +1,7 @@
 //! One picture on the screen.
 
 use super::caption;
-use super::{Subject, navigate};
+use super::{Mode, Subject, navigate};
 use crate::live::Where;
 use crate::scene::ImageSize;
 use crate::ui::app::App;
@@ -19,14 +19,16 @@ pub fn has_room(area: Rect) -> bool {
     area.is_finite() && area.width() >= LEAST && area.height() >= LEAST
 }
 
-/// The caption's strip of an area, and the rest.
-pub fn under_caption(area: Rect) -> (Rect, Rect) {
+/// Where a caption and a picture under it go in an area: (strip, picture).
+pub fn arranged(area: Rect, image: ImageSize) -> (Rect, Rect) {
     let y = (area.top() + CAPTION).min(area.bottom());
-    (area.with_max_y(y), area.with_min_y(y))
+    let rect = fitted(area.with_min_y(y), image);
+    let strip = area.with_max_y(rect.top());
+    (strip.with_min_y(rect.top() - (y - area.top())), rect)
 }
 
 /// The largest rectangle of the picture's shape, in the middle of an area.
-pub fn fitted(area: Rect, image: ImageSize) -> Rect {
+fn fitted(area: Rect, image: ImageSize) -> Rect {
     let image = vec2(image.width.max(1) as f32, image.height.max(1) as f32);
     let room = area.size().max(vec2(0.0, 0.0));
     let scale = (room.x / image.x).min(room.y / image.y);
@@ -35,9 +37,8 @@ pub fn fitted(area: Rect, image: ImageSize) -> Rect {
 
 /// A picture under its caption.
 pub fn draw(app: &mut App, ui: &mut egui::Ui, subject: Subject, area: Rect) {
-    let (strip, below) = under_caption(area);
+    let (strip, rect) = arranged(area, app.state.image);
     caption::draw(app, ui, subject, strip);
-    let rect = fitted(below, app.state.image);
     show(app, ui, subject, rect, rect);
 }
 
@@ -46,7 +47,9 @@ pub fn show(app: &mut App, ui: &mut egui::Ui, subject: Subject, rect: Rect, visi
     if !has_room(visible) {
         return;
     }
-    let id = ui.scope_id().with(("picture", subject));
+    // Flicker must not end a drag: both sides are one widget.
+    let place = (app.mode != Mode::Flicker).then_some(subject);
+    let id = ui.scope_id().with(("picture", place));
     let response = ui.interact(visible, id, Sense::click_and_drag());
     let name = format!("picture {}", caption::name(app, subject));
     response.widget_info(|| egui::WidgetInfo::labeled(Role::Image, true, &name));
@@ -134,7 +137,9 @@ mod tests {
         assert_eq!(fitted(room(160.0, 900.0), image).size(), vec2(160.0, 90.0));
         assert!(!has_room(fitted(room(0.0, 10.0), image)));
         assert!(!has_room(fitted(room(-3.0, -1.0), image)));
-        let (strip, below) = under_caption(room(10.0, 5.0));
-        assert_eq!((strip.height(), below.height()), (5.0, 0.0));
+        let (strip, rect) = arranged(room(320.0, 400.0), image);
+        assert_eq!((strip.height(), strip.bottom()), (CAPTION, rect.top()));
+        let (strip, rect) = arranged(room(10.0, 5.0), image);
+        assert_eq!((strip.height(), rect.height()), (5.0, 0.0));
     }
 }
