@@ -153,11 +153,9 @@ pub fn colour(id: &str, ctx: &egui::Context) -> egui::Color32 {
 }
 
 fn errors(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
-    ui.horizontal(|ui| {
-        ui.strong("Error against the truth");
-        ui.checkbox(&mut app.want_truth, "on")
-            .on_hover_text("Render the truth of every view, and compare exact pictures with it.");
-    });
+    let title = egui::RichText::new("Error against the truth").strong();
+    ui.checkbox(&mut app.want_truth, title)
+        .on_hover_text("Render the truth of every view, and compare exact pictures with it.");
     if !app.want_truth && !app.mode.needs_truth() {
         return;
     }

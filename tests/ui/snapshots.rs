@@ -38,7 +38,7 @@ fn difference(a: &RgbaImage, b: &RgbaImage) -> f64 {
 /// The window, with the picture and the measurements covered.
 fn frame(window: &mut Window) -> RgbaImage {
     let picture = picture_rect(window);
-    let truth = window.get_by_role_and_label(Role::CheckBox, "Truth and errors");
+    let truth = window.get_by_role_and_label(Role::CheckBox, "Error against the truth");
     let measured = Rect::from_min_max(
         pos2(truth.rect().min.x - 6.0, 0.0),
         pos2(f32::MAX, f32::MAX),
