@@ -89,7 +89,9 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
         } else {
             " of an earlier view"
         };
-        ui.label(format!("{place}{earlier}"));
+        if !matches!(probed, Some(Err(_))) {
+            ui.label(format!("{place}{earlier}"));
+        }
         match &probed {
             None => {
                 ui.label("computing…");
@@ -152,6 +154,7 @@ fn chart(ui: &mut egui::Ui, names: &[String], probed: &Probed) {
         .legend(
             Legend::default()
                 .position(Corner::LeftBottom)
+                .text_style(egui::TextStyle::Small)
                 .follow_insertion_order(true),
         )
         .x_axis_label("depth d inside the layer from its sun side (m)")

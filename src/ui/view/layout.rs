@@ -96,11 +96,7 @@ fn divider(app: &mut App, ui: &mut egui::Ui, rect: Rect, x: f32) {
             ..Default::default()
         };
         ui.memory_mut(|m| m.set_focus_lock_filter(response.id, arrows));
-        let by = ui.input(|i| {
-            let steps = |key| i.num_presses(key) as f32;
-            let step = STEPS[usize::from(i.modifiers.shift)];
-            step * (steps(Key::ArrowRight) - steps(Key::ArrowLeft))
-        });
+        let by: f32 = ui.input(|i| i.events.iter().map(step).sum());
         app.pane.divider = (app.pane.divider + by).clamp(0.0, 1.0);
     }
     let place = f64::from(app.pane.divider);
@@ -116,6 +112,25 @@ fn divider(app: &mut App, ui: &mut egui::Ui, rect: Rect, x: f32) {
         (if active { 3.0 } else { 1.0 }, egui::Color32::WHITE),
     ] {
         painter.vline(x, rect.y_range(), egui::Stroke::new(width, color));
+    }
+}
+
+/// What a key moves the divider by.
+fn step(event: &egui::Event) -> f32 {
+    let egui::Event::Key {
+        key,
+        pressed: true,
+        modifiers,
+        ..
+    } = event
+    else {
+        return 0.0;
+    };
+    let step = STEPS[usize::from(modifiers.shift)];
+    match key {
+        Key::ArrowLeft => -step,
+        Key::ArrowRight => step,
+        _ => 0.0,
     }
 }
 
