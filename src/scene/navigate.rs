@@ -79,14 +79,13 @@ impl Sun {
     pub fn later(&self, hours: f64) -> Self {
         let angle = (DEG_AN_HOUR * hours).to_radians();
         let mut toward = DQuat::from_axis_angle(DVec3::Z, angle) * self.direction();
-        let lowest = LOWEST_DEG.to_radians().sin();
-        if toward.x < 0.0 && toward.y < lowest {
-            toward = DVec3::new(-toward.x, lowest, toward.z);
+        let elevation = |v: DVec3| v.y.atan2(v.x.hypot(v.z)).to_degrees();
+        if toward.x < 0.0 && elevation(toward) < LOWEST_DEG {
+            toward.x = -toward.x;
         }
-        let elevation = toward.y.max(lowest).atan2(toward.x.hypot(toward.z));
         self.at(
             toward.z.atan2(toward.x).to_degrees(),
-            elevation.to_degrees(),
+            elevation(toward).max(LOWEST_DEG),
         )
     }
 

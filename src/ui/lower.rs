@@ -14,8 +14,10 @@ pub enum Lower {
     Map,
 }
 
-/// The smallest height, points.
-const LEAST: f32 = 60.0;
+/// The largest share of the height.
+const MOST: f32 = 0.6;
+/// The smallest height where there is that much, points.
+const LEAST: f32 = 140.0;
 
 impl Lower {
     /// Its tabs.
@@ -43,10 +45,10 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
     let Some(lower) = app.pane.lower else {
         return;
     };
-    let most = (ui.available_height() * 0.6).max(LEAST);
+    let most = (ui.available_height() * MOST).max(1.0);
     egui::Panel::bottom("lower")
-        .default_size(240.0)
-        .size_range(LEAST..=most)
+        .default_size(260.0)
+        .size_range(LEAST.min(most)..=most)
         .resizable(true)
         .show(ui, |ui| match lower {
             Lower::Probe => probe::draw(app, ui),

@@ -139,6 +139,9 @@ fn notes(probed: &Probed) -> Vec<String> {
     notes
 }
 
+/// Height from which a chart has room for its legend, points.
+const LEGEND: f32 = 190.0;
+
 fn chart(ui: &mut egui::Ui, names: &[String], probed: &Probed) {
     let probe = &probed.probe;
     let visuals = ui.visuals().clone();
@@ -150,13 +153,13 @@ fn chart(ui: &mut egui::Ui, names: &[String], probed: &Probed) {
             .map(|(d, t)| [*d, *t])
             .collect()
     };
-    let response = Plot::new("probe")
-        .legend(
-            Legend::default()
-                .position(Corner::LeftBottom)
-                .text_style(egui::TextStyle::Small)
-                .follow_insertion_order(true),
-        )
+    let mut chart = Plot::new("probe");
+    if ui.available_height() >= LEGEND {
+        let legend = Legend::default().position(Corner::LeftBottom);
+        let legend = legend.text_style(egui::TextStyle::Small);
+        chart = chart.legend(legend.follow_insertion_order(true));
+    }
+    let response = chart
         .x_axis_label("depth d inside the layer from its sun side (m)")
         .y_axis_label("T(d)")
         .default_x_bounds(0.0, longest_m)
