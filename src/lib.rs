@@ -7,7 +7,8 @@
 //!
 //! [`oracle`] renders the same scenes and methods in f64 on the CPU: the independent check. [`backend`] is the door to
 //! both: a device, or the oracle where there is none. [`study`] stands behind the report: a published comparison done
-//! again, from a file of experiments, charts and claims.
+//! again, from a file of experiments, charts and claims. [`live`] renders while somebody changes their mind; the window
+//! (`ui`) only shows what it sends.
 //!
 //! Dependencies point right to left only. World axes: y up, right-handed, origin on the ground under the scene's
 //! centre. Units: metres, m⁻¹, degrees in files and radians in code, linear radiance with sRGB primaries.
