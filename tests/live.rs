@@ -402,3 +402,24 @@ fn an_adapter_that_vanishes_is_said_once() {
     let updates = until(&live, |u| matches!(u, Update::Lost(_)));
     assert!(matches!(updates.last(), Some(Update::Lost(m)) if m.contains("vanished")));
 }
+
+#[test]
+fn errors_of_another_thread_on_the_same_device_are_its_own() {
+    needs_adapter!();
+    let gpu = Gpu::new(None).unwrap();
+    let device = gpu.device.clone();
+    let mistake = move || {
+        let both_ways = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::MAP_WRITE;
+        drop(device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 16,
+            usage: both_ways,
+            mapped_at_creation: false,
+        }));
+    };
+    std::thread::spawn(mistake.clone()).join().unwrap();
+    gpu.check().unwrap();
+    mistake();
+    assert!(gpu.check().is_err());
+    gpu.check().unwrap();
+}

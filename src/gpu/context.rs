@@ -3,8 +3,10 @@
 use super::environment::{Environment, host, program};
 use super::shader::Sources;
 use crate::error::{Error, Result};
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex};
+use std::thread::ThreadId;
 
 const NO_ADAPTER_REMEDY: &str = "Install a Vulkan driver for your GPU, or a software one: on Debian and Ubuntu \
     `apt-get install mesa-vulkan-drivers`, on Fedora `dnf install mesa-vulkan-drivers`.";
@@ -23,7 +25,7 @@ pub struct Gpu {
     pub info: wgpu::AdapterInfo,
     /// Text of the shaders that its kernels are composed of.
     pub sources: Sources,
-    failure: Arc<Mutex<Option<String>>>,
+    failures: Arc<Mutex<Failures>>,
     lost: Arc<AtomicBool>,
     compile_us: AtomicU64,
 }
@@ -133,17 +135,22 @@ impl Gpu {
                 "Update the driver, or choose another adapter with --adapter.",
             )
         })?;
-        let failure = Arc::new(Mutex::new(None));
-        let (on_error, on_lost) = (failure.clone(), failure.clone());
+        let failures = Arc::new(Mutex::new(Failures::default()));
+        let (on_error, on_lost) = (failures.clone(), failures.clone());
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
-            note(&on_error, e.to_string())
+            note(&on_error, |failures| {
+                let own = failures.by_thread.entry(std::thread::current().id());
+                own.or_insert(e.to_string());
+            });
         }));
         let lost = Arc::new(AtomicBool::new(false));
         let on_loss = lost.clone();
         device.set_device_lost_callback(move |reason, message| {
             on_loss.store(true, Relaxed);
             if reason != wgpu::DeviceLostReason::Destroyed {
-                note(&on_lost, format!("device lost: {message}"));
+                note(&on_lost, |f| {
+                    f.lost = Some(format!("device lost: {message}"))
+                });
             }
         });
         Ok(Self {
@@ -153,19 +160,19 @@ impl Gpu {
             sources: Sources::embedded(),
             device,
             queue,
-            failure,
+            failures,
             lost,
             compile_us: AtomicU64::new(0),
         })
     }
 
-    /// The first error the driver reported since the last call, if any.
+    /// The first error the driver reported of this thread's calls since the last call, if any; a lost device always.
     pub fn check(&self) -> Result<()> {
-        let noted = self
-            .failure
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
-            .take();
+        let mut noted = None;
+        note(&self.failures, |failures| {
+            let own = failures.by_thread.remove(&std::thread::current().id());
+            noted = failures.lost.clone().or(own);
+        });
         match noted {
             None => Ok(()),
             Some(problem) => Err(Error::gpu(
@@ -282,9 +289,17 @@ impl Gpu {
     }
 }
 
-fn note(slot: &Mutex<Option<String>>, message: String) {
-    // A poisoned lock only means that another report panicked half-way: the slot is still a valid Option.
-    slot.lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
-        .get_or_insert(message);
+/// What the driver reported outside of calls. A window may use the device on another thread: its errors are its own.
+#[derive(Default)]
+struct Failures {
+    /// The first error of each thread's calls.
+    by_thread: HashMap<ThreadId, String>,
+    lost: Option<String>,
+}
+
+fn note(failures: &Mutex<Failures>, act: impl FnOnce(&mut Failures)) {
+    // A poisoned lock only means that another report panicked half-way: what is there is still whole.
+    act(&mut failures
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner));
 }

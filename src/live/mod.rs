@@ -9,6 +9,7 @@
 
 mod mailbox;
 mod probes;
+mod show;
 mod stage;
 mod state;
 mod update;

@@ -56,13 +56,27 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
         });
 }
 
+/// Opens a tab; that of light maps on a side that has one.
+pub fn open(app: &mut App, lower: Lower) {
+    let has_map = |side: usize| {
+        let setup = &app.state.methods[side];
+        let plan = setup.method.plan(&setup.params);
+        plan.is_ok_and(|plan| plan.map_values.is_some())
+    };
+    let side = app.pane.map_side.min(1);
+    if lower == Lower::Map && !has_map(side) && has_map(1 - side) {
+        app.pane.map_side = 1 - side;
+    }
+    app.pane.lower = Some(lower);
+}
+
 /// The tabs, at the start of the first line of either.
 pub fn tabs(app: &mut App, ui: &mut egui::Ui) {
     for lower in Lower::ALL {
         let chosen = app.pane.lower == Some(lower);
         let tab = ui.selectable_label(chosen, lower.name());
         if tab.on_hover_text(lower.explained()).clicked() {
-            app.pane.lower = Some(lower);
+            open(app, lower);
         }
     }
     let close = ui.small_button("Close");

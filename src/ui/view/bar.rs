@@ -2,7 +2,7 @@
 
 use super::{Mode, choose, play};
 use crate::ui::app::App;
-use crate::ui::lower::Lower;
+use crate::ui::lower::{self, Lower};
 use eframe::egui;
 
 /// Draws the bar.
@@ -25,11 +25,14 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
         if ui.button(playing).on_hover_text(hint).clicked() {
             play::toggle(app, ui.ctx());
         }
-        for lower in Lower::ALL {
-            let open = app.pane.lower == Some(lower);
-            let button = ui.selectable_label(open, lower.name());
-            if button.on_hover_text(lower.explained()).clicked() {
-                app.pane.lower = (!open).then_some(lower);
+        for tab in Lower::ALL {
+            let open = app.pane.lower == Some(tab);
+            let button = ui.selectable_label(open, tab.name());
+            if button.on_hover_text(tab.explained()).clicked() {
+                match open {
+                    true => app.pane.lower = None,
+                    false => lower::open(app, tab),
+                }
             }
         }
     });
