@@ -1,10 +1,10 @@
 //! The right panel: times, memory and error numbers of what is shown.
 
 use super::app::{App, Slot};
+use super::ink::ink;
 use crate::metrics::{Comparison, summarise};
 use crate::raymarch::PassTimes;
 use crate::report::format::{bytes, maybe, ms, number};
-use crate::report::style::Style;
 use eframe::egui;
 use egui_plot::{Legend, Line, Plot, PlotPoints};
 
@@ -98,6 +98,7 @@ type Series = (&'static str, fn(&PassTimes) -> Option<f64>);
 /// Times of A over its last runs, and their medians.
 fn rolling(app: &App, ui: &mut egui::Ui) {
     let runs = &app.shown.runs;
+    let visuals = ui.visuals().clone();
     let series: [Series; 3] = [
         ("generate", |t| t.generate),
         ("march", |t| t.march),
@@ -121,8 +122,9 @@ fn rolling(app: &App, ui: &mut egui::Ui) {
                     .enumerate()
                     .filter_map(|(run, t)| Some([run as f64, of(t)?]))
                     .collect();
-                let id = ["esm", "bsm", "srm"][i];
-                plot.line(Line::new(name, points).color(colour(id, plot.ctx())));
+                // Colours that are told apart; these are passes, not methods.
+                let line = Line::new(name, points).color(ink(["esm", "bsm", "srm"][i], &visuals));
+                plot.line(line);
             }
         });
     let totals: Vec<f64> = runs.iter().filter_map(PassTimes::total).collect();
@@ -136,20 +138,6 @@ fn rolling(app: &App, ui: &mut egui::Ui) {
         );
         ui.small(text);
     }
-}
-
-/// A method's colour; on a dark background light enough to be seen.
-pub fn colour(id: &str, ctx: &egui::Context) -> egui::Color32 {
-    let (r, g, b) = Style::of(id).rgb;
-    let dark = ctx.theme() == egui::Theme::Dark;
-    let lift = |v: u8| {
-        if dark {
-            110 + (u16::from(v) * 145 / 255) as u8
-        } else {
-            v
-        }
-    };
-    egui::Color32::from_rgb(lift(r), lift(g), lift(b))
 }
 
 fn errors(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
