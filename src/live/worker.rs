@@ -16,10 +16,12 @@ use crate::raymarch::{Renderer, Tiling};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How often shaders on disk are looked at.
 const PATIENCE: Duration = Duration::from_millis(300);
+/// How long files must stay as they are to be compiled.
+const REST: Duration = Duration::from_millis(200);
 /// A first picture may take about this, ms; what is slower starts coarser.
 const FIRST_MS: f64 = 60.0;
 /// Coarseness of a first picture whose speed is not known.
@@ -40,6 +42,7 @@ pub(super) fn work(gpu: Gpu, shaders: Option<PathBuf>, mailbox: &Mailbox, sender
         speed: HashMap::new(),
         last: None,
         seen: None,
+        resting: None,
         shaders,
     };
     loop {
@@ -67,6 +70,8 @@ pub(super) struct Worker<'a> {
     /// Folder of shaders, and its files when they were last compiled.
     shaders: Option<PathBuf>,
     seen: Option<Sources>,
+    /// Files that differ from those, and since when.
+    resting: Option<(Instant, Sources)>,
 }
 
 impl Worker<'_> {
@@ -149,6 +154,18 @@ impl Worker<'_> {
         if first || self.seen.as_ref() == Some(&sources) {
             self.seen = Some(sources);
             return;
+        }
+        // Nor is one that was cut short to be written anew: files count when they have rested.
+        match &self.resting {
+            Some((since, known)) if *known == sources => {
+                if since.elapsed() < REST {
+                    return;
+                }
+            }
+            _ => {
+                self.resting = Some((Instant::now(), sources));
+                return;
+            }
         }
         self.seen = Some(sources.clone());
         let last = self.last.clone();
