@@ -185,3 +185,24 @@ fn a_method_may_be_run_again_and_keeps_its_last_picture() {
         "the map is marched anew"
     );
 }
+
+#[test]
+fn errors_of_another_thread_on_the_same_device_are_its_own() {
+    needs_adapter!();
+    let gpu = occlab::gpu::Gpu::new(None).unwrap();
+    let device = gpu.device.clone();
+    let mistake = move || {
+        let both_ways = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::MAP_WRITE;
+        drop(device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 16,
+            usage: both_ways,
+            mapped_at_creation: false,
+        }));
+    };
+    std::thread::spawn(mistake.clone()).join().unwrap();
+    gpu.check().unwrap();
+    mistake();
+    assert!(gpu.check().is_err());
+    gpu.check().unwrap();
+}
