@@ -1,6 +1,6 @@
 //! Errors of the sun-lit radiance, in linear light, over cloud pixels.
 
-use super::CLOUD_OPACITY;
+use super::{CLOUD_OPACITY, EDGE_OPACITY};
 use super::ErrorNumbers;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, is_nonfinite, nearest_rank};
@@ -26,6 +26,10 @@ struct Sums {
     reference_squared: f64,
     /// Σ(V̂ − V)².
     transmittance: f64,
+    /// ΣΔ of edge pixels.
+    edge_delta: f64,
+    /// ΣL of edge pixels.
+    edge_reference: f64,
     /// Cloud pixels.
     pixels: usize,
 }
@@ -35,8 +39,9 @@ pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear> {
     let mean = mean_sun(reference)?;
     let mut sums = Sums::default();
     let mut absolute = Vec::new();
-    for (truth, value) in cloud_pairs(reference, test) {
+    for (opacity, truth, value) in cloud_pairs(reference, test) {
         sums.pixels += 1;
+        let edge = opacity <= EDGE_OPACITY;
         for channel in 0..3 {
             let (l, delta) = (
                 f64::from(truth[channel]),
@@ -46,6 +51,10 @@ pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear> {
             sums.under += delta.min(0.0);
             sums.squared += delta * delta;
             sums.reference_squared += l * l;
+            if edge {
+                sums.edge_delta += delta;
+                sums.edge_reference += l;
+            }
             absolute.push(delta.abs());
         }
         sums.transmittance += (value[3] - f64::from(truth[3])).powi(2);
@@ -59,6 +68,7 @@ pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear> {
         max_abs: absolute.iter().fold(0.0, |a: f64, b| a.max(*b)) / mean,
         p99_abs: nearest_rank(&mut absolute, 0.99).unwrap_or(0.0) / mean,
         transmittance_rmse: (sums.transmittance / sums.pixels as f64).sqrt(),
+        edge_bias: (sums.edge_reference > 0.0).then(|| sums.edge_delta / sums.edge_reference),
         ..ErrorNumbers::default()
     };
     Ok(Linear {
@@ -96,16 +106,17 @@ pub fn mean_sun(reference: &Frame) -> Result<f64> {
     }
 }
 
-/// Reference and test values (RGB sun, V) of each cloud pixel; the test's non-finite channels are read as 0.
+/// Opacity in the reference, reference and test values (RGB sun, V) of each cloud pixel; the test's non-finite channels
+/// are read as 0.
 fn cloud_pairs<'a>(
     reference: &'a Frame,
     test: &'a Frame,
-) -> impl Iterator<Item = ([f32; 4], [f64; 4])> + 'a {
-    let cloud = reference.radiance.iter().map(|p| p[3] > CLOUD_OPACITY);
-    let pairs = reference.sun.iter().zip(&test.sun).zip(cloud);
-    pairs
-        .filter(|(_, cloud)| *cloud)
-        .map(|((truth, value), _)| (*truth, value.map(readable)))
+) -> impl Iterator<Item = (f32, [f32; 4], [f64; 4])> + 'a {
+    let opacity = reference.radiance.iter().map(|p| p[3]);
+    let pixels = opacity.zip(&reference.sun).zip(&test.sun);
+    pixels
+        .filter(|((opacity, _), _)| *opacity > CLOUD_OPACITY)
+        .map(|((opacity, truth), value)| (opacity, *truth, value.map(readable)))
 }
 
 /// A channel of the test as it enters the sums: NaN and infinity are no light.
@@ -167,6 +178,25 @@ mod tests {
             (0.0, 0.0)
         );
         assert_eq!(got.cloud_pixel_fraction, 0.75);
+    }
+
+    #[test]
+    fn bias_of_edges_is_that_of_thin_cloud_alone() {
+        let truth = {
+            let mut frame = uniform(4, 1, 0.5);
+            let opacities = [0.005, 0.02, EDGE_OPACITY, 0.95];
+            for (pixel, opacity) in frame.radiance.iter_mut().zip(opacities) {
+                pixel[3] = opacity;
+            }
+            frame
+        };
+        let mut test = truth.clone();
+        for (pixel, delta) in test.sun.iter_mut().zip([5.0, 0.25, -0.125, 7.0]) {
+            pixel[..3].iter_mut().for_each(|v| *v += delta);
+        }
+        assert_eq!(measure(&truth, &test).unwrap().error.edge_bias, Some(0.125));
+        let dense = uniform(4, 1, 0.5);
+        assert_eq!(measure(&dense, &dense).unwrap().error.edge_bias, None);
     }
 
     #[test]

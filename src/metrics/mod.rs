@@ -31,6 +31,9 @@ use crate::frame::{Exposure, Frame, is_nonfinite, tone_map};
 /// Opacity above which a pixel of the reference is a cloud pixel.
 pub const CLOUD_OPACITY: f32 = 0.01;
 
+/// Opacity up to which a cloud pixel of the reference is an edge pixel: cloud that one still sees through.
+pub const EDGE_OPACITY: f32 = 0.9;
+
 /// What [`compare`] finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
@@ -52,6 +55,7 @@ pub struct Comparison {
 /// | `darken` | Σmin(Δ, 0) / ΣL | ≤ 0 |
 /// | `p99_abs`, `max_abs` | nearest-rank 99th percentile, maximum of \|Δ\| / mean L | ≥ 0 |
 /// | `transmittance_rmse` | √mean (V̂ − V)² | `[0, 1]` for V in `[0, 1]` |
+/// | `edge_bias` | ΣΔ / ΣL over edge pixels, see [`EDGE_OPACITY`] | real, `None` without lit ones |
 /// | `flip_mean`, `flip_p99` | ꟻLIP, LDR, 67 pixels a degree (Andersson et al. 2020) | `[0, 1]` |
 /// | `psnr_db` | −10 log₁₀ MSE of RGB in `[0, 1]`, dB | ≥ 0, `None` when equal |
 /// | `ssim` | structural similarity of the luma (Wang et al. 2004) | `[−1, 1]`, 1 when equal |

@@ -21,6 +21,10 @@ pub struct ErrorNumbers {
     pub max_abs: f64,
     /// RMSE of the σT-weighted light transmittance over cloud pixels.
     pub transmittance_rmse: f64,
+    /// ΣΔL / ΣL over edge pixels, the cloud pixels of opacity ≤ 0.9 in the truth: brighter (> 0) or darker edges; `null`
+    /// where the truth has no lit ones.
+    #[serde(default)]
+    pub edge_bias: Option<f64>,
     /// `rel_rmse` of the uncompressed column at the same steps and texels; `null` for methods without a map.
     pub floor_rel_rmse: Option<f64>,
     /// RMS frame-to-frame change of ΔL / mean L over a camera pan of 16 frames, one pixel a frame (which

@@ -239,6 +239,7 @@ fn errors(rel_rmse: f64, has_map: bool) -> ErrorNumbers {
         p99_abs: 3.3 * rel_rmse,
         max_abs: 9.1 * rel_rmse,
         transmittance_rmse: 0.5 * rel_rmse,
+        edge_bias: Some(0.3 * rel_rmse),
         floor_rel_rmse: has_map.then_some(0.07),
         flicker: None,
         flicker_sun: None,

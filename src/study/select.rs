@@ -222,6 +222,7 @@ pub fn metric(found: &Found<'_>, name: &str) -> Result<Interval, String> {
         "darken" => Some(-error.darken),
         "p99_abs" => Some(error.p99_abs),
         "transmittance_rmse" => Some(error.transmittance_rmse),
+        "edge_bias" => error.edge_bias,
         "flip_mean" => Some(error.flip_mean),
         "flicker" => error.flicker,
         "flicker_sun" => error.flicker_sun,

@@ -216,6 +216,11 @@ fn error_rows(
             "RMSE of the light transmittance itself",
             &|c| number(c.error.transmittance_rmse),
         ),
+        row(
+            "edge_bias",
+            "ΣΔL / ΣL where the truth's opacity is at most 0.9",
+            &|c| maybe(c.error.edge_bias),
+        ),
         row("flip_mean", "Mean FLIP, LDR, 67 pixels a degree", &|c| {
             number(c.error.flip_mean)
         }),

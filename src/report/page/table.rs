@@ -7,7 +7,7 @@ use super::parts::{self, cell, heading};
 use maud::{Markup, html};
 
 /// Columns with their units, in order.
-const COLUMNS: [(&str, &str); 37] = [
+const COLUMNS: [(&str, &str); 38] = [
     ("#", ""),
     ("Scene", ""),
     ("Sun", "°"),
@@ -21,6 +21,7 @@ const COLUMNS: [(&str, &str); 37] = [
     ("p99_abs", "mean L"),
     ("max_abs", "mean L"),
     ("T RMSE", ""),
+    ("Edge bias", "%"),
     ("FLIP mean", ""),
     ("FLIP p99", ""),
     ("PSNR", "dB"),
@@ -111,6 +112,7 @@ fn errors(shot: &Shot<'_>) -> Markup {
         (cell(Some(e.p99_abs), number))
         (cell(Some(e.max_abs), number))
         (cell(Some(e.transmittance_rmse), number))
+        (cell(e.edge_bias, signed_percent))
         (cell(Some(e.flip_mean), number))
         (cell(Some(e.flip_p99), number))
         (cell(e.psnr_db, number))

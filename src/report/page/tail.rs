@@ -200,7 +200,7 @@ fn truths_ms(view: &View<'_>) -> Option<f64> {
 }
 
 /// One line for each number.
-const DEFINITIONS: [(&str, &str); 22] = [
+const DEFINITIONS: [(&str, &str); 23] = [
     (
         "L, ΔL",
         "sun-lit linear radiance of a cloud pixel (opacity of the truth above 0.01), and its difference from the truth",
@@ -232,6 +232,10 @@ const DEFINITIONS: [(&str, &str); 22] = [
     (
         "T RMSE",
         "transmittance_rmse: RMSE of the light transmittance, weighted by σT along the view ray; 0 to 1",
+    ),
+    (
+        "edge bias",
+        "ΣΔL / ΣL over edge pixels, where the truth's opacity is at most 0.9, in %; n/a where it has none",
     ),
     (
         "FLIP",
