@@ -186,7 +186,7 @@ impl<'a> Bench<'a> {
         self.rounds(&mut runs, observe)?;
         for run in runs {
             let spec = run.spec;
-            match self.measure(run) {
+            match self.measure(run, specs[0].index) {
                 Ok(cell) => {
                     self.task.store.put_cell(&cell)?;
                     tell(observe, Event::Cell(Box::new(cell)))?;
@@ -246,7 +246,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    fn measure(&mut self, run: Run) -> Result<Cell> {
+    fn measure(&mut self, run: Run, block: usize) -> Result<Cell> {
         let frame = run
             .frame
             .ok_or_else(|| Error::gpu("the cell was never rendered", "Run the batch again."))?;
@@ -277,6 +277,7 @@ impl<'a> Bench<'a> {
             cloud_pixel_fraction: comparison.cloud_pixel_fraction,
             fallback_fraction: counts.fallbacks as f64 / counts.look_ups.max(1) as f64,
             memory: run.prepared.memory,
+            block,
             time_ms: times(&run.times),
             rounds_total_ms: run.times.iter().filter_map(PassTimes::total).collect(),
             rounds_generate_ms: run.times.iter().filter_map(|t| t.generate).collect(),

@@ -58,6 +58,14 @@ pub(super) fn times(runs: &[PassTimes]) -> Times {
 pub(super) fn bare_cell(task: &Task, view: &MatrixView, spec: &CellSpec) -> Cell {
     let environment = task.backend.environment();
     Cell {
+        backend: format!("{} {}", environment.backend, environment.device_type),
+        ..planned_cell(view, spec)
+    }
+}
+
+/// What a record will say of a cell before it is measured anywhere.
+pub fn planned_cell(view: &MatrixView, spec: &CellSpec) -> Cell {
+    Cell {
         id: cell_id(view, spec),
         index: spec.index,
         scene: view.scene.name.clone(),
@@ -70,7 +78,7 @@ pub(super) fn bare_cell(task: &Task, view: &MatrixView, spec: &CellSpec) -> Cell
             .map(|(k, v)| (k.to_owned(), json!(v)))
             .collect(),
         reconstruct: spec.reconstruct,
-        backend: format!("{} {}", environment.backend, environment.device_type),
+        backend: String::new(),
         image: view.image,
         failed: None,
         result: None,

@@ -15,6 +15,7 @@ use crate::backend::Backend;
 use crate::config::{Experiment, Matrix, View as MatrixView, expand};
 use crate::error::{Error, Result};
 use crate::occlusion::Registry;
+pub use cell::planned_cell;
 use record::{Cell, Report, SCHEMA};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

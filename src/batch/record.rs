@@ -142,6 +142,8 @@ pub struct Measured {
     pub fallback_fraction: f64,
     /// Bytes.
     pub memory: Memory,
+    /// Index of the first cell of the block that this one was timed in: cells of one view and block share their rounds.
+    pub block: usize,
     /// Milliseconds over the repeats.
     pub time_ms: Times,
     /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. Empty without

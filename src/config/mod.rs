@@ -29,8 +29,11 @@ pub use schema::schema;
 pub use stability::{Extreme, Fill, Stability, VolumeFile, load_stability, parse_stability};
 pub use study::{
     ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,
-    Study, StudyExperiment, Test, load_study, parse_study, study_profiles,
+    Study, StudyExperiment, TableColumn, TableRow, TableSpec, Test, load_study, parse_study,
+    study_profiles,
 };
+
+pub(crate) use suggest::sentence as suggestion;
 
 use crate::error::Result;
 use crate::scene::Scene;

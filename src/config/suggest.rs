@@ -15,7 +15,7 @@ pub(super) fn closest<'a>(
 }
 
 /// A sentence with the suggestion and a following space, or nothing.
-pub(super) fn sentence<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
+pub(crate) fn sentence<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     closest(word, candidates)
         .map(|c| format!("Did you mean `{c}`? "))
         .unwrap_or_default()

@@ -113,6 +113,7 @@ fn measurements() -> Vec<String> {
         },
         rounds_total_ms: Vec::new(),
         rounds_generate_ms: Vec::new(),
+        block: 0,
         samples: Samples::default(),
         look_ups: 0,
         error: ErrorNumbers {

@@ -203,6 +203,7 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
             },
             rounds_total_ms: vec![generate + march; 3],
             rounds_generate_ms: Vec::new(),
+            block: 0,
             samples: Samples {
                 view: 9_123_456,
                 light: if *method == "srm" { 88_123_456 } else { 0 },

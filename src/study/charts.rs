@@ -153,7 +153,10 @@ fn unit_of(spec: &ChartSpec, records: &Records<'_>) -> String {
         .find(&pick)
         .and_then(|f| select::metric(&f, "total_ms"))
     {
-        Ok(unit) => format!("1 = {label} in the same round: {}", ms(Some(unit.value))),
+        Ok(unit) => format!(
+            "1 = {label} in the same round: {}",
+            ms(Some(unit.interval.value))
+        ),
         Err(_) => format!("1 = {label} in the same picture and round"),
     }
 }
@@ -167,7 +170,7 @@ fn points(
     let cells = records.along(pick, &spec.along)?;
     let cells = cells.iter().map(|(x, found)| {
         let value = match &spec.relative_to {
-            None => select::metric(found, metric)?,
+            None => select::metric(found, metric)?.interval,
             Some(name) => relative(records, found, name, metric)?,
         };
         Ok(Point {
@@ -181,7 +184,7 @@ fn points(
 }
 
 /// A time over the total time of another series in the same view.
-fn relative(
+pub(super) fn relative(
     records: &Records<'_>,
     found: &Found<'_>,
     series: &str,
@@ -207,10 +210,8 @@ fn relative(
         numbers: cell.result.as_ref().ok_or_else(missing)?,
         ..*found
     };
-    if metric == "total_ms" {
-        return select::ratio(found, &unit, metric);
-    }
-    select::metric(found, metric)?.over(select::metric(&unit, "total_ms")?)
+    let unit = select::metric(&unit, "total_ms")?;
+    Ok(select::metric(found, metric)?.over(&unit)?.interval)
 }
 
 /// Predicted over measured time of every cell.

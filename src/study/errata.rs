@@ -37,7 +37,7 @@ pub fn show(records: &Records<'_>, folder: &Path, erratum: &Erratum) -> Shown {
             per,
             measured,
         } => records.quantity(measured).map(|(value, cells)| {
-            let own = value.value / per;
+            let own = value.interval.value / per;
             let text = format!(
                 "printed {} {unit}, measured {} {unit}: {} times as much",
                 number(*published),
@@ -85,16 +85,28 @@ fn as_printed<'a>(
     let (wrong, mut cells) = records.quantity(printed)?;
     let (right, more) = records.quantity(meant)?;
     cells.extend(more);
-    let factor = wrong
-        .over(right)
-        .map_or(String::new(), |f| format!(": {} times", number(f.value)));
-    let text = format!(
-        "{} {} as printed, {} as meant{factor}",
-        printed.metric,
-        number(wrong.value),
-        number(right.value)
-    );
+    let (wrong, right) = (wrong.interval.value, right.interval.value);
+    let text = format!("{} {}", printed.metric, comparison(wrong, right));
     Ok((text, cells))
+}
+
+/// Share by which two errors may differ and still count as the same.
+const SAME: f64 = 0.05;
+
+/// Two errors, and whether the misprint does harm.
+fn comparison(wrong: f64, right: f64) -> String {
+    let factor = wrong / right;
+    let harm = match factor {
+        f if f > 1.0 + SAME => "",
+        f if f < 1.0 - SAME => "; here the misprint errs less",
+        _ => "; no harm here",
+    };
+    format!(
+        "{} as printed, {} as meant: {} times{harm}",
+        number(wrong),
+        number(right),
+        number(factor)
+    )
 }
 
 /// Two truths against a third, by their pictures.
@@ -110,10 +122,8 @@ fn truths<'a>(
     let error = |frame: &Frame| relative_rmse(&limit, &limit, frame).map_err(|e| e.to_string());
     let (wrong, right) = (error(&wrong)?, error(&right)?);
     let text = format!(
-        "rel_rmse of the truth from its own limit {} as printed, {} as meant: {} times",
-        number(wrong),
-        number(right),
-        number(wrong / right)
+        "rel_rmse of the truth itself from a truth of many more view steps {}",
+        comparison(wrong, right)
     );
     Ok((text, Vec::new()))
 }
@@ -136,4 +146,45 @@ fn truth(report: &Report, folder: &Path, set: &Map<String, Value>) -> Result<Fra
     let file = file.ok_or_else(|| format!("there is no truth at {}", Value::from(set.clone())))?;
     let path = crate::report::files::inside(folder, file)?;
     read_frame(&path).map_err(|e| e.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::{Made, quantity};
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_misprint_is_held_against_what_is_meant_and_may_do_no_harm() {
+        let mut made = Made::new(&["a"]);
+        for (steps, error) in [(1, 0.6), (2, 0.2), (3, 0.205)] {
+            let cell = made.cell("a", json!({"steps": steps}), &[1.0]);
+            if let Some(result) = &mut cell.result {
+                result.error.rel_rmse = error;
+            }
+        }
+        let said = |printed, meant| {
+            let erratum = Erratum {
+                place: "Algorithm 1".to_owned(),
+                printed: "a".to_owned(),
+                meant: "b".to_owned(),
+                evidence: Evidence::Cells {
+                    printed: Box::new(quantity("rel_rmse", "a", printed)),
+                    meant: Box::new(quantity("rel_rmse", "a", meant)),
+                },
+            };
+            show(&made.records(), Path::new("nowhere"), &erratum)
+        };
+        let harm = said(1, 2);
+        assert!(harm.measured && harm.cells.len() == 2);
+        assert!(
+            harm.numbers
+                .ends_with("0.600 as printed, 0.200 as meant: 3.00 times"),
+            "{}",
+            harm.numbers
+        );
+        assert!(said(2, 1).numbers.ends_with("the misprint errs less"));
+        assert!(said(3, 2).numbers.ends_with("no harm here"));
+        assert!(!said(9, 2).measured);
+    }
 }

@@ -102,19 +102,18 @@ struct Podium<'a> {
 
 fn podium<'a>(mut entries: Vec<Entry<'a>>, metric: &str) -> Result<Podium<'a>, String> {
     entries.sort_by(|a, b| a.value.value.total_cmp(&b.value.value));
-    let best = entries.first().ok_or("no cell competes")?.clone();
-    let beaten = |entry: &Entry<'a>| {
-        let ratio = select::ratio(&best.found, &entry.found, metric);
-        ratio.map_or(best.value.high < entry.value.low, |r| r.high < 1.0)
+    if entries.is_empty() {
+        return Err("no cell competes".to_owned());
+    }
+    let beats = |a: &Entry<'a>, b: &Entry<'a>| {
+        let ratio = select::ratio(&a.found, &b.found, metric);
+        ratio.map_or(a.value.high < b.value.low, |r| r.interval.high < 1.0)
     };
-    let first = entries
-        .iter()
-        .skip(1)
-        .position(beaten)
-        .map_or(entries.len(), |i| i + 1);
+    let beaten = |entry: &Entry<'a>| entries.iter().any(|other| beats(other, entry));
+    let (next, leaders): (Vec<_>, Vec<_>) = entries.iter().cloned().partition(beaten);
     Ok(Podium {
-        next: entries.get(first).cloned(),
-        leaders: entries.into_iter().take(first).collect(),
+        next: next.into_iter().next(),
+        leaders,
     })
 }
 
@@ -171,7 +170,7 @@ fn along_axis(
         for (x, found) in records.along(pick, axis)? {
             let entry = Entry {
                 label: records.label(&pick.series),
-                value: select::metric(&found, metric)?,
+                value: select::metric(&found, metric)?.interval,
                 found,
             };
             match places.iter_mut().find(|(other, _)| *other == x) {
@@ -235,7 +234,7 @@ fn within(
     let mut entries = Vec::new();
     for pick in picks {
         let found = records.find(pick)?;
-        let value = select::metric(&found, metric)?;
+        let value = select::metric(&found, metric)?.interval;
         let value = if value.value < 0.0 {
             Interval::exact(0.0).minus(value)
         } else {
@@ -258,7 +257,7 @@ fn within(
     for limit in limits {
         let mut fitting = Vec::new();
         for entry in &entries {
-            if select::metric(&entry.found, name)?.high <= *limit {
+            if select::metric(&entry.found, name)?.interval.high <= *limit {
                 fitting.push(entry.clone());
             }
         }
@@ -281,4 +280,84 @@ fn within(
         });
     }
     Ok(sentences)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::{Made, pick};
+    use super::*;
+    use serde_json::json;
+
+    fn podium_of(made: &Made, names: &[&str]) -> (Vec<String>, Option<String>) {
+        let records = made.records();
+        let entry = |name: &&str| {
+            let found = records.find(&pick(name, json!({}))).unwrap();
+            Entry {
+                label: found.cell.method.as_str(),
+                value: select::metric(&found, "total_ms").unwrap().interval,
+                found,
+            }
+        };
+        let podium = podium(names.iter().map(entry).collect(), "total_ms").unwrap();
+        let names = podium.names().iter().map(|n| (*n).to_owned()).collect();
+        (names, podium.next.map(|e| e.label.to_owned()))
+    }
+
+    #[test]
+    fn nobody_leads_who_is_beaten_and_a_tie_behind_a_beaten_one_is_not_lost() {
+        let mut made = Made::new(&["a", "b", "c"]);
+        // By medians a < b < c; b is slower than a in every round, c is not.
+        made.cell("a", json!({}), &[10.0, 11.0, 12.0, 13.0, 30.0]);
+        made.cell("b", json!({}), &[10.5, 11.5, 12.5, 13.5, 31.0]);
+        made.cell("c", json!({}), &[20.0, 9.0, 14.0, 10.0, 40.0]);
+        let (leaders, next) = podium_of(&made, &["a", "b", "c"]);
+        assert_eq!(
+            (leaders, next),
+            (vec!["a".to_owned(), "c".to_owned()], Some("b".to_owned()))
+        );
+        let (leaders, next) = podium_of(&made, &["b", "a"]);
+        assert_eq!(
+            (leaders, next),
+            (vec!["a".to_owned()], Some("b".to_owned()))
+        );
+    }
+
+    #[test]
+    fn a_budget_admits_what_it_just_holds() {
+        let mut made = Made::new(&["a", "b"]);
+        for (name, bytes, error) in [("a", 100, 0.2), ("b", 101, 0.1)] {
+            let cell = made.cell(name, json!({}), &[1.0, 1.0, 1.0]);
+            if let Some(result) = &mut cell.result {
+                (result.memory.map_bytes, result.error.rel_rmse) = (bytes, error);
+            }
+        }
+        let records = made.records();
+        let picks = [pick("a", json!({})), pick("b", json!({}))];
+        let limits = [99.0, 100.0, 101.0];
+        let budget = Some(("map_bytes", "maps"));
+        let said = within(&records, "rel_rmse", &picks, budget, &limits).unwrap();
+        let texts: Vec<&str> = said.iter().map(|s| s.text.as_str()).collect();
+        assert!(texts[0].ends_with("none of these."), "{}", texts[0]);
+        assert!(texts[1].contains("take a 0.2"), "{}", texts[1]);
+        assert!(
+            texts[2].contains("take b 0.1") && texts[2].contains("next a"),
+            "{}",
+            texts[2]
+        );
+    }
+
+    #[test]
+    fn a_stretch_of_the_axis_ends_where_the_leaders_change() {
+        let mut made = Made::new(&["a", "b"]);
+        for (steps, a, b) in [(1, 5.0, 9.0), (2, 6.0, 9.0), (4, 12.0, 9.0)] {
+            made.cell("a", json!({"steps": steps}), &[a, a, a]);
+            made.cell("b", json!({"steps": steps}), &[b, b, b]);
+        }
+        let picks = [pick("a", json!({})), pick("b", json!({}))];
+        let said = along_axis(&made.records(), "total_ms", &picks, ("steps", "steps of")).unwrap();
+        assert_eq!(said.len(), 2);
+        assert!(said[0].text.starts_with("From steps of 1") && said[0].text.contains("take a"));
+        assert!(said[1].text.starts_with("At steps of 4") && said[1].text.contains("take b"));
+        assert_eq!(said[0].cells.len(), 4);
+    }
 }

@@ -16,7 +16,7 @@ pub struct Interval {
 }
 
 /// Least probability that a range holds the true median, where there are repeats enough.
-const CONFIDENCE: f64 = 0.93;
+pub const CONFIDENCE: f64 = 0.93;
 /// Fewest repeats that tell a spread.
 const FEWEST: usize = 3;
 
@@ -25,19 +25,25 @@ impl Interval {
     /// median with a probability of at least 93 % (David & Nagaraja, *Order Statistics*, 2003, § 7.1); of 3 or 4 repeats
     /// the extremes, which hold it with 75 and 88 %. A reason where fewer are given.
     pub fn of_repeats(values: &[f64]) -> Result<Self, String> {
+        Self::of_repeats_at(values, CONFIDENCE)
+    }
+
+    /// The same for another probability; the extremes where the repeats are too few for it.
+    pub fn of_repeats_at(values: &[f64], confidence: f64) -> Result<Self, String> {
         let n = values.len();
         let stats = summarise(values).filter(|_| n >= FEWEST);
         let stats =
             stats.ok_or_else(|| format!("{n} timed runs tell no spread, {FEWEST} would"))?;
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
-        let outer = outer_ranks(n);
+        let outer = outer_ranks(n, confidence);
         Ok(Self {
             low: sorted[outer],
             value: stats.median,
             high: sorted[n - 1 - outer],
         })
     }
+
     /// A number without spread.
     pub fn exact(value: f64) -> Self {
         Self {
@@ -78,6 +84,17 @@ impl Interval {
         })
     }
 
+    /// Its absolute value.
+    pub fn size(self) -> Self {
+        let (low, high) = (self.low.abs(), self.high.abs());
+        let spans = self.low <= 0.0 && self.high >= 0.0;
+        Self {
+            low: if spans { 0.0 } else { low.min(high) },
+            value: self.value.abs(),
+            high: low.max(high),
+        }
+    }
+
     /// Half of the range.
     pub fn half_width(&self) -> f64 {
         0.5 * (self.high - self.low)
@@ -99,13 +116,13 @@ impl std::fmt::Display for Interval {
     }
 }
 
-/// How many of n sorted repeats can be left out at each end: k such that 1 − 2·P(B(n, ½) ≤ k) ≥ 93 %, or 0.
-fn outer_ranks(n: usize) -> usize {
+/// How many of n sorted repeats can be left out at each end: k such that 1 − 2·P(B(n, ½) ≤ k) ≥ `confidence`, or 0.
+fn outer_ranks(n: usize, confidence: f64) -> usize {
     let mut probability = 0.5_f64.powi(i32::try_from(n).unwrap_or(i32::MAX));
     let (mut below, mut outer) = (0.0, 0);
     for k in 0..n / 2 {
         below += probability;
-        if 1.0 - 2.0 * below < CONFIDENCE {
+        if 1.0 - 2.0 * below < confidence {
             break;
         }
         outer = k;
@@ -122,8 +139,10 @@ mod tests {
     fn ranges_of_repeats_leave_out_what_they_can() {
         // Binomial: n = 15 leaves 3 at each end (96.5 %), 4 would leave 88.2 %.
         for (n, outer) in [(3, 0), (5, 0), (7, 0), (8, 0), (9, 1), (15, 3), (21, 5)] {
-            assert_eq!(outer_ranks(n), outer, "{n}");
+            assert_eq!(outer_ranks(n, CONFIDENCE), outer, "{n}");
         }
+        // 2 at each end would leave 99.26 %.
+        assert_eq!(outer_ranks(15, 0.993), 1);
         let values: Vec<f64> = (1..=15).rev().map(f64::from).collect();
         let interval = Interval::of_repeats(&values).unwrap();
         assert_eq!(
@@ -139,6 +158,8 @@ mod tests {
         let ratio = of(-2.0, 1.0, 4.0).over(of(1.0, 2.0, 4.0)).unwrap();
         assert_eq!(ratio, of(-2.0, 0.5, 4.0));
         assert!(of(1.0, 1.0, 1.0).over(of(0.0, 1.0, 2.0)).is_err());
+        assert_eq!(of(-3.0, -2.0, -1.0).size(), of(1.0, 2.0, 3.0));
+        assert_eq!(of(-3.0, -2.0, 1.0).size(), of(0.0, 2.0, 3.0));
         assert_eq!(
             of(1.0, 2.0, 3.0).minus(of(0.5, 1.0, 2.0)),
             of(-1.0, 1.0, 2.5)

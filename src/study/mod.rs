@@ -12,6 +12,7 @@
 //! Nothing here knows a study by name: what is measured and claimed stands in `configs/studies/NAME.json`.
 
 mod charts;
+mod check;
 pub mod claims;
 pub mod cost_model;
 pub mod errata;
@@ -21,8 +22,10 @@ pub mod guide;
 mod interval;
 mod least_squares;
 mod page;
+mod paired;
 mod run;
 pub mod select;
+pub mod table;
 
 pub use interval::Interval;
 pub use run::{Event, Progress, run};
@@ -37,6 +40,7 @@ use guide::Answer;
 use select::Records;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use table::Table;
 
 /// Folder of the experiments' reports below a study's folder.
 pub const EXPERIMENTS: &str = "experiments";
@@ -54,6 +58,8 @@ pub struct Outcome {
     pub clock: String,
     /// Claims with their verdicts.
     pub claims: Vec<Claim>,
+    /// Tables of the source beside what was measured.
+    pub tables: Vec<Table>,
     /// Defects of the source with their numbers.
     pub errata: Vec<Shown>,
     /// What a sample costs; `null` without times.
@@ -103,6 +109,11 @@ fn outcome(study: &Study, records: &Records<'_>, folder: &Path) -> Outcome {
         adapter: first.map(adapter).unwrap_or_default(),
         clock: first.map_or(Clock::Device, Report::clock).name().to_owned(),
         claims: study.claims.iter().map(decide).collect(),
+        tables: study
+            .tables
+            .iter()
+            .map(|t| table::fill(records, t))
+            .collect(),
         errata: study.errata.iter().map(show).collect(),
         cost_model: cost_model::fit(records),
         guide: study

@@ -1,5 +1,6 @@
 //! Runs the experiments of a study one after the other, each resumable in its own folder, and says how far it is.
 
+use super::check::check;
 use super::claims::{self, Claim};
 use super::select::Records;
 use super::{EXPERIMENTS, Outcome, conclude};
@@ -107,16 +108,14 @@ pub fn run(
     cache: Option<&Path>,
     observe: Observer<'_>,
 ) -> Result<(Outcome, PathBuf)> {
-    let forecasts = study
-        .experiments
-        .iter()
-        .map(|e| {
-            Ok(Forecast::new(
-                &e.experiment,
-                &expand(&e.experiment, &Registry)?,
-            ))
-        })
-        .collect::<Result<Vec<_>>>()?;
+    let entries = study.experiments.iter();
+    let matrices = entries.map(|e| expand(&e.experiment, &Registry));
+    let matrices = matrices.collect::<Result<Vec<_>>>()?;
+    check(study, &matrices)?;
+    let entries = study.experiments.iter().zip(&matrices);
+    let forecasts: Vec<Forecast> = entries
+        .map(|(e, matrix)| Forecast::new(&e.experiment, matrix))
+        .collect();
     let mut meter = Meter::new(forecasts.iter().map(Forecast::total).sum());
     let mut reports: Vec<(String, Report)> = Vec::new();
     for (index, (entry, forecast)) in study.experiments.iter().zip(&forecasts).enumerate() {

@@ -3,6 +3,7 @@
 //! Every failure is a reason in words: a verdict or a chart repeats it, nothing is dropped silently.
 
 use super::interval::Interval;
+use super::paired::{Block, Repeated};
 use crate::batch::record::{Cell, Measured, Report};
 use crate::config::{Pick, Quantity, Series};
 use crate::metrics::Stats;
@@ -45,10 +46,7 @@ impl<'a> Records<'a> {
     where
         'a: 'n,
     {
-        let series = self.series.get(name);
-        series
-            .and_then(|series| series.label.as_deref())
-            .unwrap_or(name)
+        label(self.series, name)
     }
 
     /// Method of a series.
@@ -64,14 +62,9 @@ impl<'a> Records<'a> {
         let (experiment, report) = self.report(&pick.experiment)?;
         let series = self.series.get(&pick.series);
         let series = series.ok_or_else(|| format!("there is no series `{}`", pick.series))?;
-        let fits = |cell: &&Cell| {
-            cell.method == series.method && matches(cell, &series.at) && matches(cell, &pick.at)
-        };
-        Ok((
-            experiment,
-            report,
-            report.cells.iter().filter(fits).collect(),
-        ))
+        let cells = report.cells.iter();
+        let fitting = cells.filter(|cell| fits(cell, series, pick)).collect();
+        Ok((experiment, report, fitting))
     }
 
     /// The one cell of a pick.
@@ -127,7 +120,7 @@ impl<'a> Records<'a> {
     }
 
     /// A number of the study with its spread.
-    pub fn quantity(&self, quantity: &Quantity) -> Result<(Interval, Vec<Found<'a>>), String> {
+    pub fn quantity(&self, quantity: &Quantity) -> Result<(Repeated, Vec<Found<'a>>), String> {
         let found = self.find(&quantity.of)?;
         let value = metric(&found, &quantity.metric)?;
         let Some(minus) = &quantity.minus else {
@@ -135,18 +128,35 @@ impl<'a> Records<'a> {
         };
         let other = self.find(minus)?;
         let subtracted = metric(&other, &quantity.metric)?;
-        Ok((value.minus(subtracted), vec![found, other]))
+        Ok((value.minus(&subtracted)?, vec![found, other]))
     }
 
     /// A pick in words: `esm at resolution = 256`.
     pub fn words(&self, pick: &Pick) -> String {
-        let mut words = self.label(&pick.series).to_owned();
-        for (i, (axis, value)) in pick.at.iter().enumerate() {
-            let join = if i == 0 { " at " } else { ", " };
-            words += &format!("{join}{} = {}", short_axis(axis), plain(value));
-        }
-        words
+        words(self.series, pick)
     }
+}
+
+fn label<'n>(series: &'n BTreeMap<String, Series>, name: &'n str) -> &'n str {
+    let series = series.get(name);
+    series
+        .and_then(|series| series.label.as_deref())
+        .unwrap_or(name)
+}
+
+/// A pick in words: `esm at resolution = 256`.
+pub fn words(series: &BTreeMap<String, Series>, pick: &Pick) -> String {
+    let mut words = label(series, &pick.series).to_owned();
+    for (i, (axis, value)) in pick.at.iter().enumerate() {
+        let join = if i == 0 { " at " } else { ", " };
+        words += &format!("{join}{} = {}", short_axis(axis), plain(value));
+    }
+    words
+}
+
+/// Whether a cell belongs to a pick of a series.
+pub fn fits(cell: &Cell, series: &Series, pick: &Pick) -> bool {
+    cell.method == series.method && matches(cell, &series.at) && matches(cell, &pick.at)
 }
 
 /// An axis without the path to it.
@@ -203,16 +213,37 @@ pub fn value_of(cell: &Cell, axis: &str) -> Option<f64> {
     }
 }
 
+/// Names of the numbers that [`metric`] knows.
+pub const METRICS: [&str; 17] = [
+    "total_ms",
+    "generate_ms",
+    "payload_bytes",
+    "map_bytes",
+    "rel_rmse",
+    "floor_rel_rmse",
+    "bias",
+    "leak",
+    "darken",
+    "p99_abs",
+    "transmittance_rmse",
+    "edge_bias",
+    "flip_mean",
+    "flip_p99",
+    "flicker",
+    "flicker_sun",
+    "cloud_pixel_fraction",
+];
+
 /// A number of a cell. Times have the spread of their repeats, all else none.
-pub fn metric(found: &Found<'_>, name: &str) -> Result<Interval, String> {
+pub fn metric(found: &Found<'_>, name: &str) -> Result<Repeated, String> {
     let numbers = found.numbers;
     let (time, error, memory) = (&numbers.time_ms, &numbers.error, &numbers.memory);
     let exact = match name {
         "total_ms" => {
             let stats = found.report.clock().cost(time);
-            return spread(&numbers.rounds_total_ms, stats, name);
+            return spread(found, &numbers.rounds_total_ms, stats, name);
         }
-        "generate_ms" => return spread(&numbers.rounds_generate_ms, time.generate, name),
+        "generate_ms" => return spread(found, &numbers.rounds_generate_ms, time.generate, name),
         "payload_bytes" => Some(memory.payload_bytes as f64),
         "map_bytes" => Some(memory.map_bytes as f64),
         "rel_rmse" => Some(error.rel_rmse),
@@ -224,41 +255,82 @@ pub fn metric(found: &Found<'_>, name: &str) -> Result<Interval, String> {
         "transmittance_rmse" => Some(error.transmittance_rmse),
         "edge_bias" => error.edge_bias,
         "flip_mean" => Some(error.flip_mean),
+        "flip_p99" => Some(error.flip_p99),
         "flicker" => error.flicker,
         "flicker_sun" => error.flicker_sun,
         "cloud_pixel_fraction" => Some(numbers.cloud_pixel_fraction),
         _ => return Err(format!("no number is named `{name}`")),
     };
     let missing = || format!("{} has no {name}", found.cell.method);
-    exact.map(Interval::exact).ok_or_else(missing)
+    let exact = exact.map(|value| Interval::exact(value).into());
+    exact.ok_or_else(missing)
 }
 
 /// A time by its rounds; by its statistics where the rounds are not recorded, as with the wall clock.
-fn spread(rounds: &[f64], stats: Option<Stats>, name: &str) -> Result<Interval, String> {
+fn spread(
+    found: &Found<'_>,
+    rounds: &[f64],
+    stats: Option<Stats>,
+    name: &str,
+) -> Result<Repeated, String> {
     let stats = stats.ok_or_else(|| format!("the adapter gives no {name}"))?;
     if rounds.is_empty() {
-        let repeats = vec![stats.median; stats.n];
-        return Interval::of_repeats(&repeats).map(|median| Interval {
+        let median = Interval::of_repeats(&vec![stats.median; stats.n])?;
+        let range = Interval {
             low: stats.min,
             high: stats.p95,
             ..median
-        });
+        };
+        return Ok(range.into());
     }
-    Interval::of_repeats(rounds)
+    let block = Block {
+        experiment: found.experiment.to_owned(),
+        reference: found.numbers.reference.clone(),
+        first: found.numbers.block,
+    };
+    Repeated::of_rounds(block, rounds.to_vec())
 }
 
-/// Ratio of a number of two cells; device times of one view are divided round by round.
-pub fn ratio(of: &Found<'_>, to: &Found<'_>, name: &str) -> Result<Interval, String> {
-    let rounds = |found: &Found<'_>| match name {
-        "total_ms" => found.numbers.rounds_total_ms.clone(),
-        "generate_ms" => found.numbers.rounds_generate_ms.clone(),
-        _ => Vec::new(),
-    };
-    let (a, b) = (rounds(of), rounds(to));
-    let same_view = of.experiment == to.experiment && of.numbers.reference == to.numbers.reference;
-    if same_view && !a.is_empty() && a.len() == b.len() && b.iter().all(|ms| *ms > 0.0) {
-        let ratios: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a / b).collect();
-        return Interval::of_repeats(&ratios);
+/// Ratio of a number of two cells; times of the same rounds are divided round by round.
+pub fn ratio(of: &Found<'_>, to: &Found<'_>, name: &str) -> Result<Repeated, String> {
+    metric(of, name)?.over(&metric(to, name)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::Made;
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn every_named_number_is_known_and_darkening_is_a_size() {
+        let mut made = Made::new(&["a"]);
+        let cell = made.cell("a", json!({}), &[1.0, 2.0, 3.0]);
+        if let Some(result) = &mut cell.result {
+            (result.error.flicker, result.error.flicker_sun) = (Some(0.1), Some(0.2));
+            result.error.darken = -0.25;
+        }
+        let records = made.records();
+        let pick = super::super::fixture::pick("a", json!({}));
+        let found = records.find(&pick).unwrap();
+        for name in METRICS {
+            metric(&found, name).unwrap();
+        }
+        assert_eq!(metric(&found, "darken").unwrap().interval.value, 0.25);
+        let error = metric(&found, "beauty").unwrap_err();
+        assert!(error.contains("no number is named"), "{error}");
     }
-    metric(of, name)?.over(metric(to, name)?)
+
+    #[test]
+    fn without_rounds_a_time_spans_its_statistics() {
+        let mut made = Made::new(&["a"]);
+        let cell = made.cell("a", json!({}), &[10.0, 12.0, 11.0, 30.0]);
+        if let Some(result) = &mut cell.result {
+            result.rounds_total_ms.clear();
+        }
+        let records = made.records();
+        let pick = super::super::fixture::pick("a", json!({}));
+        let time = metric(&records.find(&pick).unwrap(), "total_ms").unwrap();
+        assert_eq!((time.interval.low, time.interval.high), (10.0, 30.0));
+    }
 }

@@ -5,7 +5,7 @@
 //!   "profiles": {"quick": {"about": "…", "values": {"maps": [32, 64]}}, "full": {"about": "…", "values": {"maps": [256, 512]}}},
 //!   "series": {"srm10": {"method": "srm", "at": {"steps": 10}}},
 //!   "experiments": [{"id": "map", "title": "…", "matrix": {"image": …, "methods": [{"method": "esm", "resolution": "$maps"}]}}],
-//!   "charts": […], "claims": […], "errata": […], "guide": […] }
+//!   "charts": […], "tables": […], "claims": […], "errata": […], "guide": […] }
 //! ```
 //!
 //! A string `$NAME` anywhere below stands for the value of that name in the chosen profile. A matrix is an experiment
@@ -15,7 +15,7 @@ mod spec;
 
 pub use spec::{
     ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,
-    Test,
+    TableColumn, TableRow, TableSpec, Test,
 };
 
 use super::document::Document;
@@ -46,6 +46,8 @@ pub struct Study {
     pub experiments: Vec<StudyExperiment>,
     /// Charts in file order.
     pub charts: Vec<ChartSpec>,
+    /// Tables in file order.
+    pub tables: Vec<TableSpec>,
     /// Experiments whose pictures are shown beside their truth.
     pub pictures: Vec<String>,
     /// Claims in file order.
@@ -78,6 +80,8 @@ struct File {
     experiments: Vec<FileExperiment>,
     #[serde(default)]
     charts: Vec<ChartSpec>,
+    #[serde(default)]
+    tables: Vec<TableSpec>,
     #[serde(default)]
     pictures: Vec<String>,
     #[serde(default)]
@@ -146,6 +150,7 @@ fn from_document(document: &Document, profile: &str) -> Result<Study> {
         series: file.series,
         experiments,
         charts: file.charts,
+        tables: file.tables,
         pictures: file.pictures,
         claims: file.claims,
         errata: file.errata,
@@ -235,7 +240,14 @@ fn check_names(document: &Document, file: &File) -> Result<()> {
         let remedy = "Use 1 to 60 lower-case letters, digits and hyphens.";
         return Err(document.error(&format!("/charts/{i}/id"), problem, remedy));
     }
-    let lists = ["/charts", "/pictures", "/claims", "/errata", "/guide"];
+    let lists = [
+        "/charts",
+        "/tables",
+        "/pictures",
+        "/claims",
+        "/errata",
+        "/guide",
+    ];
     lists.iter().try_for_each(|list| {
         let value = document.value().pointer(list).unwrap_or(&Value::Null);
         check_references(document, list, value, &ids, &file.series)

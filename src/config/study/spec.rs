@@ -5,6 +5,7 @@
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 /// A method and the axis values that pick its cells.
 #[derive(Clone, Debug, Deserialize)]
@@ -208,6 +209,56 @@ pub struct ChartSpec {
     pub published: Vec<Published>,
     /// A line on how to read it.
     pub note: String,
+}
+
+/// A table of the source, measured again.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableSpec {
+    /// Short name, for messages.
+    pub id: String,
+    /// Published table that it stands for.
+    pub figure: String,
+    /// Heading.
+    pub title: String,
+    /// Where the cells are.
+    pub experiment: String,
+    /// Numbers of a row.
+    pub metrics: Vec<TableColumn>,
+    /// Series whose total time in the same view is 1; absent: no ratios.
+    #[serde(default)]
+    pub relative_to: Option<String>,
+    /// What 1 is in the source.
+    #[serde(default)]
+    pub unit: Option<f64>,
+    /// One row a cell.
+    pub rows: Vec<TableRow>,
+    /// A line on how to read it.
+    pub note: String,
+}
+
+/// A number of a table.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableColumn {
+    /// Which number.
+    pub metric: String,
+    /// Its title.
+    pub title: String,
+}
+
+/// A cell of a table.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableRow {
+    /// Name of the series.
+    pub series: String,
+    /// Axis values besides those of the series.
+    #[serde(default)]
+    pub at: Map<String, Value>,
+    /// The source's numbers by metric.
+    #[serde(default)]
+    pub published: BTreeMap<String, f64>,
 }
 
 /// What shows a defect.

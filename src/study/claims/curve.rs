@@ -1,6 +1,7 @@
 //! Predicates on numbers along an axis: straight line, crossover, gain of an error.
 
-use super::super::interval::Interval;
+use super::super::interval::{CONFIDENCE, Interval};
+use super::super::paired::without_drift;
 use super::super::select::{self, Found, Records, short_axis};
 use super::{Finding, Verdict};
 use crate::config::Pick;
@@ -9,7 +10,8 @@ use crate::report::format::{number, percent};
 /// Fewest points that can bend.
 const FEWEST_POINTS: usize = 3;
 
-/// Growth along a straight line; with a limit for the intercept also proportionality.
+/// Growth along a straight line; with a limit for the intercept also proportionality. Cells of the same rounds are
+/// compared without the drift that they share.
 pub fn straight(
     records: &Records<'_>,
     metric: &str,
@@ -19,54 +21,67 @@ pub fn straight(
 ) -> Result<Finding, String> {
     let points = records.along(of, along)?;
     let cells: Vec<Found<'_>> = points.iter().map(|(_, found)| *found).collect();
-    let values: Vec<(f64, Interval)> = points
-        .iter()
-        .map(|(x, found)| Ok((*x, select::metric(found, metric)?)))
-        .collect::<Result<_, String>>()?;
-    if values.len() < FEWEST_POINTS {
+    if cells.len() < FEWEST_POINTS {
         return Err(format!(
             "{} points cannot tell a line from a curve",
-            values.len()
+            cells.len()
         ));
     }
-    let line = line(&values);
+    let numbers = cells.iter().map(|found| select::metric(found, metric));
+    let numbers = without_drift(numbers.collect::<Result<_, String>>()?)?;
+    let axis = points.iter().map(|(x, _)| *x);
+    let values: Vec<(f64, Interval)> = axis.zip(numbers.iter().map(|n| n.interval)).collect();
+    let line = Line::through(&values);
+    let ends = [values[0].1.value, values[values.len() - 1].1.value];
     let largest = values.iter().map(|(_, y)| y.value).fold(f64::MIN, f64::max);
     let least = values.iter().map(|(_, y)| y.value).fold(f64::MAX, f64::min);
     let range = (largest - least).max(f64::MIN_POSITIVE);
-    let off = |(x, y): &(f64, Interval)| (y.value - line.0 - line.1 * x).abs();
-    let noise = values
+    let noise = values.iter().map(|(_, y)| y.half_width());
+    let noise = noise.fold(0.0, f64::max) / range;
+    let bent = values
         .iter()
-        .map(|(_, y)| y.half_width())
+        .map(|point| line.off(point))
         .fold(0.0, f64::max)
         / range;
-    let bent = values.iter().map(off).fold(0.0, f64::max) / range;
-    let mut verdict = limited(bent, noise, bend);
+    let mut verdicts = vec![limited(bent, noise, bend), growing(line.slope)];
     let mut text = format!(
         "{metric} of {} along {}: {} to {}, {} per unit, off a line by {} of the range (wanted ≤ {}), spread of repeats ±{}",
         records.words(of),
         short_axis(along),
-        number(values[0].1.value),
-        number(values[values.len() - 1].1.value),
-        number(line.1),
+        number(ends[0]),
+        number(ends[1]),
+        line.slope,
         percent(bent),
         percent(bend),
         percent(noise)
     );
-    if line.1 <= 0.0 {
-        verdict = Verdict::Fails;
-        text += ", and it does not grow";
-    }
     if let Some(limit) = intercept {
-        let share = line.0.abs() / largest;
+        let share = line.intercept.size().over(Interval::exact(largest))?;
         text += &format!(
-            "; intercept {} of the largest (wanted ≤ {})",
-            percent(share),
-            percent(limit)
+            "; intercept {share} of the largest (wanted ≤ {})",
+            number(limit)
         );
-        let noise = noise * range / largest;
-        verdict = Verdict::all([verdict, limited(share, noise, limit)].into_iter());
+        verdicts.push(Verdict::within(share.low, share.high, (0.0, limit)));
     }
+    if cells
+        .iter()
+        .any(|c| c.numbers.reference != cells[0].numbers.reference)
+    {
+        text += "; the pictures were timed one after the other, what the machine did between them is in no spread";
+    }
+    let verdict = Verdict::all(verdicts.iter().copied());
     Ok(Finding::new(verdict, text, &cells))
+}
+
+/// Whether a slope is surely positive.
+fn growing(slope: Interval) -> Verdict {
+    if slope.low > 0.0 {
+        Verdict::Holds
+    } else if slope.high <= 0.0 {
+        Verdict::Fails
+    } else {
+        Verdict::Undecidable
+    }
 }
 
 /// A deviation against its limit, where `noise` of it may be due to the repeats: it holds only where noise would not
@@ -79,18 +94,43 @@ fn limited(deviation: f64, noise: f64, limit: f64) -> Verdict {
     )
 }
 
-/// Least squares: intercept and slope.
-fn line(points: &[(f64, Interval)]) -> (f64, f64) {
-    let n = points.len() as f64;
-    let mean_x = points.iter().map(|(x, _)| x).sum::<f64>() / n;
-    let mean_y = points.iter().map(|(_, y)| y.value).sum::<f64>() / n;
-    let square: f64 = points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
-    let cross: f64 = points
+/// A line by least squares. Its ranges take those of the points for independent: half-widths add up as squares, each with
+/// the weight that the point has in the fit.
+struct Line {
+    intercept: Interval,
+    slope: Interval,
+}
+
+impl Line {
+    fn through(points: &[(f64, Interval)]) -> Self {
+        let n = points.len() as f64;
+        let mean_x = points.iter().map(|(x, _)| x).sum::<f64>() / n;
+        let square: f64 = points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
+        let slope = |x: f64| (x - mean_x) / square;
+        Self {
+            intercept: weighted(points, |x| 1.0 / n - mean_x * slope(x)),
+            slope: weighted(points, slope),
+        }
+    }
+
+    /// Distance of a point.
+    fn off(&self, (x, y): &(f64, Interval)) -> f64 {
+        (y.value - self.intercept.value - self.slope.value * x).abs()
+    }
+}
+
+/// Σ weight(x)·y.
+fn weighted(points: &[(f64, Interval)], weight: impl Fn(f64) -> f64) -> Interval {
+    let value: f64 = points.iter().map(|(x, y)| weight(*x) * y.value).sum();
+    let square: f64 = points
         .iter()
-        .map(|(x, y)| (x - mean_x) * (y.value - mean_y))
+        .map(|(x, y)| (weight(*x) * y.half_width()).powi(2))
         .sum();
-    let slope = cross / square;
-    (mean_y - slope * mean_x, slope)
+    Interval {
+        low: value - square.sqrt(),
+        value,
+        high: value + square.sqrt(),
+    }
 }
 
 /// Where one series overtakes another: an interval of the axis.
@@ -127,6 +167,8 @@ pub fn crossover(
 ) -> Result<Finding, String> {
     let (first, second) = (records.along(of, along)?, records.along(over, along)?);
     let (mut ratios, mut cells) = (Vec::new(), Vec::new());
+    // Each value of the axis is a chance to be wrong (Bonferroni).
+    let confidence = 1.0 - (1.0 - CONFIDENCE) / first.len() as f64;
     for (x, a) in &first {
         let Some((_, b)) = second.iter().find(|(other, _)| other == x) else {
             return Err(format!(
@@ -135,7 +177,8 @@ pub fn crossover(
                 short_axis(along)
             ));
         };
-        ratios.push((*x, select::ratio(a, b, metric)?));
+        let ratio = select::ratio(a, b, metric)?;
+        ratios.push((*x, ratio.range_at(confidence)?));
         cells.extend([*a, *b]);
     }
     let crossing = crossing(&ratios);
@@ -179,7 +222,7 @@ fn place(crossing: Crossing, first: f64, last: f64) -> String {
             number(high),
             number(first)
         ),
-        Crossing::Tangled => "the order changes more than once".to_owned(),
+        Crossing::Tangled => "the order changes the other way round, or more than once".to_owned(),
         Crossing::Between(None, None) | Crossing::Unclear => {
             "the two are nowhere told apart".to_owned()
         }
@@ -210,7 +253,8 @@ pub fn gain(
         select::metric(&cells[0], metric)?,
         select::metric(&cells[1], metric)?,
     );
-    let gain = before.minus(after).over(before)?;
+    let gain = before.minus(&after)?.over(&before)?.interval;
+    let (before, after) = (before.interval, after.interval);
     let text = format!(
         "{metric} of {} at {} = {from}: {before}, at {to}: {after}, gain {} (wanted ≤ {})",
         records.words(of),

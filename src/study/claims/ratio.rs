@@ -23,6 +23,7 @@ fn wanted((least, most): Limits) -> String {
 /// A number between limits.
 pub fn range(records: &Records<'_>, of: &Quantity, limits: Limits) -> Result<Finding, String> {
     let (value, cells) = records.quantity(of)?;
+    let value = value.interval;
     let text = format!("{} = {value}; {}", words(records, of), wanted(limits));
     let verdict = Verdict::within(value.low, value.high, closed(limits));
     Ok(Finding::new(verdict, text, &cells))
@@ -35,15 +36,9 @@ pub fn ratio(
     to: &Quantity,
     limits: Limits,
 ) -> Result<Finding, String> {
-    let plain = of.minus.is_none() && to.minus.is_none() && of.metric == to.metric;
-    let (value, cells) = if plain {
-        let (a, b) = (records.find(&of.of)?, records.find(&to.of)?);
-        (select::ratio(&a, &b, &of.metric)?, vec![a, b])
-    } else {
-        let ((a, mut cells), (b, more)) = (records.quantity(of)?, records.quantity(to)?);
-        cells.extend(more);
-        (a.over(b)?, cells)
-    };
+    let ((a, mut cells), (b, more)) = (records.quantity(of)?, records.quantity(to)?);
+    cells.extend(more);
+    let value = a.over(&b)?.interval;
     let text = format!(
         "{} ÷ {} = {value}; {}",
         words(records, of),
@@ -72,7 +67,7 @@ pub fn order(
     for group in ascending {
         for pick in group {
             let found = records.find(pick)?;
-            let value = select::metric(&found, metric)?;
+            let value = select::metric(&found, metric)?.interval;
             decided.push(format!("{} {value}", records.words(pick)));
             cells.push(found);
         }
@@ -96,14 +91,11 @@ pub fn order(
 
 /// Whether a's number is below b's: by ratio, or by their values where b's may be 0.
 fn below(a: &Found<'_>, b: &Found<'_>, metric: &str) -> Result<Verdict, String> {
-    let ratio = match select::ratio(a, b, metric) {
-        Ok(ratio) => ratio,
-        Err(_) => {
-            let difference = select::metric(a, metric)?.minus(select::metric(b, metric)?);
-            return Ok(sign(difference));
-        }
-    };
-    Ok(sign(ratio.minus(Interval::exact(1.0))))
+    let (a, b) = (select::metric(a, metric)?, select::metric(b, metric)?);
+    Ok(match a.over(&b) {
+        Ok(ratio) => sign(ratio.interval.minus(Interval::exact(1.0))),
+        Err(_) => sign(a.minus(&b)?.interval),
+    })
 }
 
 fn sign(difference: Interval) -> Verdict {

@@ -75,6 +75,12 @@ fn times_of_other_views_are_divided_at_their_worst() {
         Holds,
         "round by round"
     );
+    timed_apart(&mut made);
+    assert_eq!(
+        verdict(&made, &ratio((1.9, Some(2.1)))),
+        Undecidable,
+        "one view, but not the same rounds"
+    );
 }
 
 #[test]
@@ -158,6 +164,15 @@ fn an_order_compares_each_group_with_the_next() {
     assert_eq!(verdict(&made, &equal), Fails, "equal is not smaller");
 }
 
+/// Each cell in rounds of its own.
+fn timed_apart(made: &mut Made) {
+    for (i, cell) in made.reports[0].1.cells.iter_mut().enumerate() {
+        if let Some(result) = &mut cell.result {
+            result.block = i;
+        }
+    }
+}
+
 fn sweep(rounds: impl Fn(f64) -> [f64; 5]) -> Made {
     let mut made = Made::new(&["a", "b"]);
     for steps in [1.0, 10.0, 20.0, 50.0] {
@@ -189,9 +204,20 @@ fn a_straight_line_is_told_from_a_curve_and_from_noise() {
         Fails,
         "it falls"
     );
+    let mut shaken = sweep(|x| noisy(20.0 + 2.0 * x));
     assert_eq!(
-        verdict(&sweep(|x| noisy(x.powf(1.5))), &straight(None)),
-        Undecidable
+        verdict(&shaken, &straight(None)),
+        Holds,
+        "all cells share the drift of their rounds"
+    );
+    timed_apart(&mut shaken);
+    assert_eq!(verdict(&shaken, &straight(None)), Undecidable);
+    let mut flat = sweep(|x| noisy(20.0 - 0.01 * x));
+    timed_apart(&mut flat);
+    assert_eq!(
+        verdict(&flat, &straight(None)),
+        Undecidable,
+        "it may grow or fall"
     );
 }
 

@@ -2,6 +2,7 @@
 
 mod guide;
 mod pictures;
+mod published;
 mod tables;
 
 use super::charts::Figure;
@@ -35,6 +36,7 @@ pub fn write(
         main {
             (tables::claims(outcome))
             (charts(figures))
+            (published::section(outcome))
             (pictures::section(folder, study, records))
             (tables::errata(outcome))
             (tables::cost_model(outcome, figures))
@@ -99,7 +101,7 @@ fn headline(study: &Study, outcome: &Outcome) -> Markup {
             nav {
                 a href="./guide.html" { strong { "Which method when?" } }
                 @for (anchor, text) in [
-                    ("claims", "Claims"), ("charts", "Charts"), ("pictures", "Pictures"), ("errata", "Errata"),
+                    ("claims", "Claims"), ("charts", "Charts"), ("tables", "Tables"), ("pictures", "Pictures"), ("errata", "Errata"),
                     ("cost", "Cost model"), ("evidence", "Evidence"), ("experiments", "Experiments"), ("definitions", "Definitions"),
                 ] { a href={ "#" (anchor) } { (text) } }
             }

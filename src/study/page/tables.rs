@@ -3,7 +3,7 @@
 use super::super::Outcome;
 use super::super::charts::Figure;
 use super::super::claims::Claim;
-use super::super::cost_model::COUNTS;
+use super::super::cost_model::{COUNTS, SharedCost};
 use super::{cell_links, class, grid};
 use crate::report::format::{number, percent, signed_percent};
 use crate::report::page::parts;
@@ -99,11 +99,27 @@ pub fn cost_model(outcome: &Outcome, figures: &[Figure]) -> Markup {
                 strong { (number(model.thesis_ns)) " ns a sample" } ", R² = " strong { (format!("{:.3}", model.thesis_r2)) } ". "
                 "A price for each kind of sample, fitted to each method, gives the table."
             }
+            (shared(&model.shared))
             (prices(outcome))
             @for method in &model.methods { @if !method.why.is_empty() {
                 p { (parts::method(&method.method)) " " (method.why.join(" ")) }
             } }
             (grid(figures.iter().filter(|f| f.file.starts_with("cost-"))))
+        }
+    }
+}
+
+fn shared(cost: &SharedCost) -> Markup {
+    let [view, light, map] = cost.samples_ns.map(number);
+    let look_ups = cost.look_ups_ns.iter();
+    let look_ups: Vec<String> = look_ups
+        .map(|(method, ns)| format!("{} ns for {method}", number(*ns)))
+        .collect();
+    html! {
+        p {
+            "If samples cost the same whoever takes them, " strong { (view) " ns a view sample, " (light) " ns a light sample, " (map)
+            " ns a map sample" } @if !look_ups.is_empty() { " and a look-up " strong { (look_ups.join(", ")) } } " fit all methods at "
+            "once with R² = " strong { (format!("{:.3}", cost.r2)) } ", typical error " (percent(cost.typical)) "."
         }
     }
 }
@@ -140,7 +156,7 @@ fn prices(outcome: &Outcome) -> Markup {
 }
 
 /// One line for each number of this page.
-const DEFINITIONS: [(&str, &str); 7] = [
+const DEFINITIONS: [(&str, &str); 8] = [
     (
         "holds, does not hold",
         "the whole range of the repeats lies inside, or outside, what the claim allows",
@@ -164,6 +180,10 @@ const DEFINITIONS: [(&str, &str); 7] = [
     (
         "cloud_pixel_fraction",
         "share of pixels whose opacity in the truth exceeds 0.01",
+    ),
+    (
+        "R²",
+        "share of the variance of the times' logarithms that a model explains",
     ),
     (
         "look-up",

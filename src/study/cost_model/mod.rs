@@ -3,12 +3,18 @@
 //! The thesis's model (eqs. 3.1–3.5) has one price: t = c·N, N = N_view·N_light + N_map, where N_view·N_light are the
 //! light samples of a secondary march, or the look-ups in a map. The model of a method has a price for each kind:
 //! t = c_view·n_view + c_light·n_light + c_look·n_look + c_map·n_map, c ≥ 0, by least squares of relative errors.
-//! All counts come from the shaders.
+//!
+//! Where samples and look-ups grow together, a method's own prices cannot be told from each other. Hence a third model, of
+//! all methods at once: a view, a light and a map sample cost the same whoever takes them, a look-up what its method takes.
+//!
+//! All counts come from the shaders. Times are without the pass that rebuilds pictures, which has no count. R² is that of
+//! the times' logarithms, since the fits weigh relative errors: 1 − Σ(ln t − ln t̂)²/Σ(ln t − mean ln t)².
+
+mod reasons;
 
 use super::least_squares::non_negative;
 use super::select::Records;
 use crate::batch::record::Cell;
-use crate::report::format::{number, percent, signed_percent};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -32,7 +38,7 @@ pub struct Cost {
     pub method: String,
     /// View samples, light samples, look-ups, map samples.
     pub counts: [f64; 4],
-    /// Measured, ms.
+    /// Measured, ms, without reconstruction.
     pub total_ms: f64,
     /// Largest |deviation| of the repeats over the median.
     pub spread: f64,
@@ -69,13 +75,28 @@ pub struct MethodCost {
     pub why: Vec<String>,
 }
 
-/// Both models on one adapter.
+/// What samples cost whoever takes them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SharedCost {
+    /// Nanoseconds a view sample, light sample, map sample.
+    pub samples_ns: [f64; 3],
+    /// Nanoseconds a look-up, by method with a map.
+    pub look_ups_ns: BTreeMap<String, f64>,
+    /// Share of the variance that the model explains.
+    pub r2: f64,
+    /// Median of the absolute relative errors.
+    pub typical: f64,
+}
+
+/// The models on one adapter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CostModel {
     /// Nanoseconds a sample in the thesis's model.
     pub thesis_ns: f64,
     /// Share of the variance that it explains.
     pub thesis_r2: f64,
+    /// Prices that the methods share.
+    pub shared: SharedCost,
     /// One entry a method.
     pub methods: Vec<MethodCost>,
     /// Every cell.
@@ -88,14 +109,20 @@ pub fn fit(records: &Records<'_>) -> Option<CostModel> {
     for (id, report) in records.reports {
         let clock = report.clock();
         cells.extend(report.cells.iter().filter_map(|cell| {
-            let stats = clock.cost(&cell.result.as_ref()?.time_ms)?;
-            cost(id, cell, stats)
+            let times = &cell.result.as_ref()?.time_ms;
+            let rebuilt_ms = times.reconstruct.map_or(0.0, |stats| stats.median);
+            cost(id, cell, clock.cost(times)?, rebuilt_ms)
         }));
     }
     model(cells)
 }
 
-fn cost(experiment: &str, cell: &Cell, time: crate::metrics::Stats) -> Option<Cost> {
+fn cost(
+    experiment: &str,
+    cell: &Cell,
+    time: crate::metrics::Stats,
+    rebuilt_ms: f64,
+) -> Option<Cost> {
     let numbers = cell.result.as_ref()?;
     let samples = &numbers.samples;
     let counts = [samples.view, samples.light, numbers.look_ups, samples.map];
@@ -104,7 +131,7 @@ fn cost(experiment: &str, cell: &Cell, time: crate::metrics::Stats) -> Option<Co
         index: cell.index,
         method: cell.method.clone(),
         counts: counts.map(|n| n as f64),
-        total_ms: time.median,
+        total_ms: time.median - rebuilt_ms,
         spread: (time.p95 - time.median).max(time.median - time.min) / time.median,
         thesis_ms: 0.0,
         own_ms: None,
@@ -112,7 +139,7 @@ fn cost(experiment: &str, cell: &Cell, time: crate::metrics::Stats) -> Option<Co
         map_bytes: numbers.memory.map_bytes as f64,
     };
     let repeated = time.n >= FEWEST_RUNS;
-    (repeated && time.median > 0.0 && work(&cost) > 0.0).then_some(cost)
+    (repeated && cost.total_ms > 0.0 && work(&cost) > 0.0).then_some(cost)
 }
 
 /// N of eq. 3.5.
@@ -151,9 +178,46 @@ pub fn model(mut cells: Vec<Cost>) -> Option<CostModel> {
     Some(CostModel {
         thesis_ns: 1e6 * price,
         thesis_r2,
+        shared: shared(&cells),
         methods,
         cells,
     })
+}
+
+/// Prices of samples for all methods at once, and of each one's look-ups.
+fn shared(cells: &[Cost]) -> SharedCost {
+    let looks = |c: &&Cost| c.counts[2] > 0.0;
+    let mut names: Vec<&str> = cells
+        .iter()
+        .filter(looks)
+        .map(|c| c.method.as_str())
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    let counts = |c: &Cost| -> Vec<f64> {
+        let [view, light, look_ups, map] = c.counts;
+        let own = names
+            .iter()
+            .map(|name| if *name == c.method { look_ups } else { 0.0 });
+        [view, light, map].into_iter().chain(own).collect()
+    };
+    let rows: Vec<Vec<f64>> = cells
+        .iter()
+        .map(|c| counts(c).iter().map(|n| n / c.total_ms).collect())
+        .collect();
+    let prices = non_negative(&rows, &vec![1.0; rows.len()]);
+    let predicted = |c: &Cost| -> f64 { counts(c).iter().zip(&prices).map(|(n, p)| n * p).sum() };
+    let pairs: Vec<(f64, f64)> = cells.iter().map(|c| (c.total_ms, predicted(c))).collect();
+    let errors: Vec<f64> = pairs.iter().map(|(t, p)| p / t - 1.0).collect();
+    let look_ups = names.iter().zip(&prices[3..]);
+    SharedCost {
+        samples_ns: [0, 1, 2].map(|i| 1e6 * prices[i]),
+        look_ups_ns: look_ups
+            .map(|(name, ms)| ((*name).to_owned(), 1e6 * ms))
+            .collect(),
+        r2: r2(pairs.iter().copied()),
+        typical: typical(&errors),
+    }
 }
 
 fn methods(cells: &[Cost]) -> Vec<String> {
@@ -185,7 +249,7 @@ fn method_cost(cells: &[Cost], method: &str, prices: &[f64], thesis: f64) -> Met
         thesis_typical: typical(&thesis_errors),
         why: Vec::new(),
     };
-    cost.why = why(&cost, &own, &errors, 1e6 * thesis);
+    cost.why = reasons::why(&cost, &own, &errors, 1e6 * thesis);
     cost
 }
 
@@ -199,111 +263,13 @@ fn typical(errors: &[f64]) -> f64 {
     crate::metrics::summarise(&sizes).map_or(0.0, |s| s.median)
 }
 
-/// 1 − Σ(t − t̂)²/Σ(t − t̄)²; 0 where the times do not vary.
+/// R² of the logarithms of measured and predicted times; 0 where the measured ones do not vary, −∞ for a prediction of 0.
 fn r2(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     let n = pairs.clone().count() as f64;
-    let mean = pairs.clone().map(|(t, _)| t).sum::<f64>() / n;
-    let total: f64 = pairs.clone().map(|(t, _)| (t - mean).powi(2)).sum();
-    let left: f64 = pairs.map(|(t, p)| (t - p).powi(2)).sum();
+    let mean = pairs.clone().map(|(t, _)| t.ln()).sum::<f64>() / n;
+    let total: f64 = pairs.clone().map(|(t, _)| (t.ln() - mean).powi(2)).sum();
+    let left: f64 = pairs.map(|(t, p)| (t / p).ln().powi(2)).sum();
     if total > 0.0 { 1.0 - left / total } else { 0.0 }
-}
-
-/// Reasons by numbers for errors above 20 %: first for one price, then for the method's own.
-fn why(cost: &MethodCost, cells: &[&Cost], errors: &[f64], thesis_ns: f64) -> Vec<String> {
-    let mut why = Vec::new();
-    if cost.thesis_worst.abs() > LARGE {
-        let paid: Vec<String> = COUNTS
-            .iter()
-            .zip(cost.prices_ns)
-            .filter(|(_, ns)| *ns > 0.0)
-            .map(|(name, ns)| format!("{} ns a {name}", number(ns)))
-            .collect();
-        let counted: f64 = cells.iter().map(|c| work(c)).sum();
-        let view: f64 = cells.iter().map(|c| c.counts[0]).sum();
-        why.push(format!(
-            "One price is off by up to {}: it counts {} ns for everything where {} takes {}, and leaves out the samples of \
-             the view march, {} for each one counted.",
-            signed_percent(cost.thesis_worst),
-            number(thesis_ns),
-            cost.method,
-            paid.join(", "),
-            number(view / counted)
-        ));
-    }
-    if cost.worst.abs() > LARGE {
-        why.push(own_reason(cost, cells, errors));
-    }
-    why
-}
-
-/// What the errors of the method's own model go with.
-fn own_reason(cost: &MethodCost, cells: &[&Cost], errors: &[f64]) -> String {
-    let at = |i: usize| {
-        if errors[i].abs() == cost.worst.abs() {
-            Some(i)
-        } else {
-            None
-        }
-    };
-    let noisy = (0..cells.len())
-        .find_map(at)
-        .map_or(0.0, |i| cells[i].spread);
-    let per_look = |c: &Cost| (c.counts[1] + 1.0) / (c.counts[0] + 1.0);
-    let causes: [(&str, Vec<f64>); 4] = [
-        (
-            "the share of cloud pixels (neighbouring rays that take different branches)",
-            cells.iter().map(|c| c.cloud).collect(),
-        ),
-        (
-            "light samples a view sample (marches that end early in dense cloud)",
-            cells.iter().map(|c| per_look(c)).collect(),
-        ),
-        (
-            "the size of the map (caches)",
-            cells.iter().map(|c| c.map_bytes.max(1.0).ln()).collect(),
-        ),
-        (
-            "the time itself (a fixed cost of a picture, which no count has)",
-            cells.iter().map(|c| c.total_ms.ln()).collect(),
-        ),
-    ];
-    let strongest = causes
-        .iter()
-        .map(|(name, values)| (*name, correlation(values, errors)))
-        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    let mut text = format!(
-        "Prices of its own are off by up to {}; the repeats of that cell spread by {}.",
-        signed_percent(cost.worst),
-        percent(noisy)
-    );
-    if noisy >= cost.worst.abs() {
-        text += " That is no more than noise.";
-    }
-    if let Some((name, r)) = strongest.filter(|(_, r)| r.abs() >= 0.5) {
-        text += &format!(" The errors go with {name}: correlation {r:.2}.");
-    } else if let Some((_, r)) = strongest {
-        text += &format!(
-            " They go with none of cloud share, early ends, map size or time (|correlation| ≤ {:.2}).",
-            r.abs()
-        );
-    }
-    text
-}
-
-/// Pearson's; 0 where one of them does not vary.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let n = a.len() as f64;
-    let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
-    let (ma, mb) = (mean(a), mean(b));
-    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
-        a.iter().zip(b).map(|(a, b)| f(a - ma, b - mb)).sum()
-    };
-    let norm = (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt();
-    if norm > 0.0 {
-        sum(&|a, b| a * b) / norm
-    } else {
-        0.0
-    }
 }
 
 #[cfg(test)]
@@ -358,6 +324,17 @@ mod tests {
             }
         }
         assert!(model.methods.iter().all(|m| m.r2 > 0.999_999));
+        let shared = &model.shared;
+        let found = [
+            shared.samples_ns[0],
+            shared.samples_ns[1],
+            shared.samples_ns[2],
+            shared.look_ups_ns["esm"],
+        ];
+        for (found, wanted) in found.iter().zip([3.0, 5.0, 7.0, 20.0]) {
+            assert!((found - wanted).abs() < 1e-6, "{found} {wanted}");
+        }
+        assert!(shared.r2 > 0.999_999 && shared.look_ups_ns.len() == 1);
         assert!(model.thesis_r2 < 0.999, "one price does not fit both");
         let esm = model.methods.iter().find(|m| m.method == "esm").unwrap();
         assert!(esm.worst.abs() < 1e-9 && esm.thesis_worst.abs() > LARGE);

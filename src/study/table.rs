@@ -1,0 +1,154 @@
+//! Tables of the source with what was measured here beside them.
+
+use super::charts::relative;
+use super::claims::CellLink;
+use super::interval::Interval;
+use super::select::{self, Records};
+use crate::config::{Pick, TableRow, TableSpec};
+use serde::Serialize;
+
+/// A table of the page.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Table {
+    /// Published table.
+    pub figure: String,
+    /// Heading.
+    pub title: String,
+    /// Experiment that the cells are from.
+    pub experiment: String,
+    /// Words for the series whose total time is 1, where ratios are shown.
+    pub relative_to: Option<String>,
+    /// A line on how to read it.
+    pub note: String,
+    /// Name and title of each number.
+    pub metrics: Vec<(String, String)>,
+    /// Rows in order.
+    pub rows: Vec<Row>,
+}
+
+/// One cell of the study.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// The cell in words.
+    pub label: String,
+    /// One entry a number.
+    pub entries: Vec<Entry>,
+    /// The cell.
+    pub cell: Option<CellLink>,
+    /// Why numbers are missing.
+    pub missing: Vec<String>,
+}
+
+/// A number as published and as measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Entry {
+    /// In the source, in the unit of the number's name.
+    pub published: Option<f64>,
+    /// Over the source's own unit.
+    pub published_ratio: Option<f64>,
+    /// Here.
+    pub here: Option<Interval>,
+    /// Here, over the same series in the same picture and rounds.
+    pub ratio: Option<Interval>,
+}
+
+/// Fills a table.
+pub fn fill(records: &Records<'_>, spec: &TableSpec) -> Table {
+    let label = |name: &String| records.label(name).to_owned();
+    let metrics = spec.metrics.iter();
+    Table {
+        figure: spec.figure.clone(),
+        title: spec.title.clone(),
+        experiment: spec.experiment.clone(),
+        relative_to: spec.relative_to.as_ref().map(label),
+        note: spec.note.clone(),
+        metrics: metrics
+            .map(|m| (m.metric.clone(), m.title.clone()))
+            .collect(),
+        rows: spec.rows.iter().map(|r| row(records, spec, r)).collect(),
+    }
+}
+
+fn row(records: &Records<'_>, spec: &TableSpec, row: &TableRow) -> Row {
+    let pick = Pick {
+        experiment: spec.experiment.clone(),
+        series: row.series.clone(),
+        at: row.at.clone(),
+    };
+    let found = records.find(&pick);
+    let mut missing: Vec<String> = found.as_ref().err().cloned().into_iter().collect();
+    let mut entries = Vec::new();
+    for column in &spec.metrics {
+        let published = row.published.get(&column.metric).copied();
+        let mut entry = Entry {
+            published,
+            published_ratio: published.and_then(|p| Some(p / spec.unit?)),
+            ..Entry::default()
+        };
+        // A method without a map has no map pass: an empty field, not a gap.
+        if let Ok(found) = &found
+            && (published.is_some() || column.metric != "generate_ms")
+        {
+            let mut take = |value: Result<Interval, String>| match value {
+                Ok(value) => Some(value),
+                Err(reason) => {
+                    missing.push(reason);
+                    None
+                }
+            };
+            entry.here = take(select::metric(found, &column.metric).map(|v| v.interval));
+            entry.ratio = spec
+                .relative_to
+                .as_ref()
+                .and_then(|unit| take(relative(records, found, unit, &column.metric)));
+        }
+        entries.push(entry);
+    }
+    Row {
+        label: records.words(&pick),
+        entries,
+        cell: found.as_ref().ok().map(CellLink::from),
+        missing,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::Made;
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn published_and_measured_numbers_stand_side_by_side() {
+        let mut made = Made::new(&["srm", "esm"]);
+        made.cell("srm", json!({"steps": 10}), &[10.0, 20.0, 40.0]);
+        made.cell("esm", json!({"steps": 50}), &[5.0, 10.0, 20.0]);
+        let spec: TableSpec = serde_json::from_value(json!({
+            "id": "t", "figure": "Table 1", "title": "T", "experiment": "e", "relative_to": "srm", "unit": 4.0, "note": "",
+            "metrics": [{"metric": "total_ms", "title": "total"}, {"metric": "generate_ms", "title": "map pass"}],
+            "rows": [
+                {"series": "srm", "published": {"total_ms": 4.0}},
+                {"series": "esm", "at": {"steps": 50}, "published": {"total_ms": 3.0, "generate_ms": 1.0}},
+                {"series": "esm", "at": {"steps": 51}, "published": {"total_ms": 3.0}}
+            ]
+        }))
+        .unwrap();
+        let table = fill(&made.records(), &spec);
+        let [srm, esm, none] = &table.rows[..] else {
+            panic!("three rows");
+        };
+        assert_eq!(srm.entries[1], Entry::default(), "no map, no map pass");
+        assert!(srm.missing.is_empty(), "{:?}", srm.missing);
+        let [total, pass] = esm.entries[..] else {
+            panic!("two numbers");
+        };
+        assert_eq!(
+            (total.published, total.published_ratio),
+            (Some(3.0), Some(0.75))
+        );
+        assert_eq!(total.here.unwrap().value, 10.0);
+        assert_eq!(total.ratio, Some(Interval::exact(0.5)), "round by round");
+        assert_eq!(pass.ratio, Some(Interval::exact(0.25)));
+        assert!(none.cell.is_none() && none.missing[0].contains("0 cells fit"));
+    }
+}
