@@ -156,7 +156,7 @@ fn a_study_decides_what_it_can_and_resumes_after_a_kill() {
 #[test]
 fn wrong_study_files_are_refused_with_their_place() {
     type Edit = fn(&mut Value);
-    let cases: [(Edit, &[&str]); 9] = [
+    let cases: [(Edit, &[&str]); 11] = [
         (
             |s| s["claim"] = json!([]),
             &["tiny.json:", "unknown field `claim`", "claims"],
@@ -196,6 +196,21 @@ fn wrong_study_files_are_refused_with_their_place() {
             |s| s["profiles"] = json!({"slow": {"about": "x"}}),
             &["tiny.json:", "no profile `quick`", "slow"],
         ),
+        (
+            |s| s["claims"][3]["checks"][0]["test"]["gain"]["metric"] = json!("rel_rms"),
+            &[
+                "study `tiny`, claim T4",
+                "`rel_rms`",
+                "Did you mean `rel_rmse`",
+            ],
+        ),
+        (
+            |s| s["series"]["srm4"]["at"]["steps"] = json!(5),
+            &[
+                "study `tiny`, profile quick, chart `time`",
+                "no cell fits srm4",
+            ],
+        ),
     ];
     for (edit, words) in cases {
         let folder = workplace_of(edit);
@@ -216,6 +231,17 @@ fn studies_are_listed_and_an_unknown_one_is_refused() {
     refused(
         &occlab(root).args(["study", "n"]).output().unwrap(),
         &["n:", "configs/studies/n.json"],
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let studies = folder.path().join("configs/studies");
+    std::fs::create_dir_all(&studies).unwrap();
+    std::fs::write(studies.join("broken.json"), "{").unwrap();
+    std::fs::copy(root.join("configs/studies/m.json"), studies.join("m.json")).unwrap();
+    let listed = occlab(folder.path()).arg("study").output().unwrap();
+    let text = String::from_utf8_lossy(&listed.stdout).into_owned();
+    assert!(
+        text.contains("cannot be read") && text.contains("\nm "),
+        "{text}"
     );
 }
 

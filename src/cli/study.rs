@@ -98,8 +98,12 @@ fn list() -> anyhow::Result<ExitCode> {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        let (title, profiles) = study_profiles(&path)?;
-        say(format!("{name:<12} {:<14} {title}", profiles.join(", ")))?;
+        match study_profiles(&path) {
+            Ok((title, profiles)) => {
+                say(format!("{name:<12} {:<14} {title}", profiles.join(", ")))?;
+            }
+            Err(error) => say(format!("{name:<12} cannot be read: {error}"))?,
+        }
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -4,7 +4,7 @@ use super::Outcome;
 use super::cost_model::Cost;
 use super::interval::Interval;
 use super::select::{self, Found, Records};
-use crate::config::{ChartSpec, Pick, Study};
+use crate::config::{ChartSpec, Pick, Published, Study};
 use crate::error::Result;
 use crate::report::charts::curves::{Curve, Curves, Look, Point, Spread, draw};
 use crate::report::format::ms;
@@ -83,23 +83,7 @@ fn chart(spec: &ChartSpec, records: &Records<'_>, outcome: &Outcome) -> Result<F
             }
         }
     }
-    curves.extend(spec.published.iter().map(|published| {
-        let place = |(x, y): &(f64, f64)| {
-            let y = y / published.unit;
-            Point {
-                x: x * published.x_scale,
-                y,
-                low: y,
-                high: y,
-            }
-        };
-        Curve {
-            label: format!("{} published", records.label(&published.series)),
-            method: records.method(&published.series).to_owned(),
-            look: Look::Published,
-            points: published.points.iter().map(place).collect(),
-        }
-    }));
+    curves.extend(spec.published.iter().map(|p| published(records, p)));
     let chart = Curves {
         title: format!("{} ({})", spec.title, spec.figure),
         of: unit_of(spec, records),
@@ -118,6 +102,25 @@ fn chart(spec: &ChartSpec, records: &Records<'_>, outcome: &Outcome) -> Result<F
         missing,
         svg: draw(&chart)?.unwrap_or_default(),
     })
+}
+
+/// Points of the source in the chart's units.
+fn published(records: &Records<'_>, published: &Published) -> Curve {
+    let place = |(x, y): &(f64, f64)| {
+        let y = y / published.unit;
+        Point {
+            x: x * published.x_scale,
+            y,
+            low: y,
+            high: y,
+        }
+    };
+    Curve {
+        label: format!("{} published", records.label(&published.series)),
+        method: records.method(&published.series).to_owned(),
+        look: Look::Published,
+        points: published.points.iter().map(place).collect(),
+    }
 }
 
 fn spread(spec: &ChartSpec) -> Spread {
@@ -253,4 +256,58 @@ fn residuals(title: &str, own: bool, outcome: &Outcome) -> Result<Option<String>
         source: format!("Measured on {}", outcome.adapter),
         note: "Below 1 the model promises too little time.".to_owned(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::Made;
+    use super::*;
+    use serde_json::{Value, json};
+
+    fn spec(edit: impl FnOnce(&mut Value)) -> ChartSpec {
+        let mut value = json!({
+            "id": "c", "figure": "Figure 1", "title": "T", "experiment": "e", "along": "steps", "along_title": "steps",
+            "metric": "total_ms", "metric_title": "time", "relative_to": "b", "series": ["a"], "note": ""
+        });
+        edit(&mut value);
+        serde_json::from_value(value).unwrap()
+    }
+
+    #[test]
+    fn points_are_ratios_to_the_same_round_and_published_ones_to_their_own_unit() {
+        let mut made = Made::new(&["a", "b"]);
+        made.cell("b", json!({}), &[10.0, 20.0, 40.0]);
+        made.cell("a", json!({"steps": 4}), &[30.0, 60.0, 120.0]);
+        let records = made.records();
+        let pick = super::super::fixture::pick("a", json!({}));
+        let of = |metric: &str| {
+            let drawn = points(&spec(|_| ()), &records, &pick, metric).unwrap();
+            assert_eq!((drawn.len(), drawn[0].x), (1, 4.0));
+            [drawn[0].low, drawn[0].y, drawn[0].high]
+        };
+        assert_eq!(of("total_ms"), [3.0; 3]);
+        assert_eq!(of("generate_ms"), [1.5; 3], "over the total of the other");
+        let spec = spec(|s| {
+            let curve =
+                json!({"series": "a", "points": [[256, 4.2]], "unit": 2.1, "x_scale": 0.125});
+            s["published"] = json!([curve]);
+        });
+        let curve = published(&records, &spec.published[0]);
+        assert_eq!((curve.points[0].x, curve.points[0].y), (32.0, 2.0));
+    }
+
+    #[test]
+    fn a_series_without_its_unit_is_missing_and_says_why() {
+        let mut made = Made::new(&["a", "b"]);
+        made.cell("a", json!({"steps": 4}), &[30.0, 60.0, 120.0]);
+        let records = made.records();
+        let pick = super::super::fixture::pick("a", json!({}));
+        let Err(reason) = points(&spec(|_| ()), &records, &pick, "total_ms") else {
+            panic!("no unit, no ratio");
+        };
+        assert!(
+            reason.contains("b was not measured in the same picture"),
+            "{reason}"
+        );
+    }
 }

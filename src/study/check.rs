@@ -97,6 +97,10 @@ impl Planned<'_> {
                     self.curve(&place, metric, &pick, &chart.along)?;
                 }
             }
+            if let Some(unit) = &chart.relative_to {
+                let pick = pick(&chart.experiment, unit, &Map::new());
+                self.some(&place, &pick)?;
+            }
         }
         for table in &self.study.tables {
             let place = format!("table `{}`", table.id);
@@ -195,10 +199,7 @@ impl Planned<'_> {
 
     fn curve(&self, place: &str, metric: &str, of: &Pick, along: &str) -> Result<()> {
         self.metric(place, metric)?;
-        let fitting = self.fitting(of);
-        if fitting.is_empty() {
-            return Err(self.error(place, format!("no cell fits {}", self.words(of))));
-        }
+        let fitting = self.some(place, of)?;
         let measured = METRICS.contains(&along);
         match measured || fitting.iter().all(|c| select::value_of(c, along).is_some()) {
             true => Ok(()),
@@ -206,6 +207,14 @@ impl Planned<'_> {
                 let problem = format!("cells of {} have no number `{along}`", self.words(of));
                 Err(self.error(place, problem))
             }
+        }
+    }
+
+    fn some(&self, place: &str, of: &Pick) -> Result<Vec<&Cell>> {
+        let fitting = self.fitting(of);
+        match fitting.is_empty() {
+            true => Err(self.error(place, format!("no cell fits {}", self.words(of)))),
+            false => Ok(fitting),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::claims::CellLink;
 use super::select::{Found, Records};
-use crate::batch::record::Report;
+use crate::batch::record::{Cell, Report};
 use crate::config::{Erratum, Evidence};
 use crate::frame::{Frame, read_frame};
 use crate::metrics::relative_rmse;
@@ -117,35 +117,40 @@ fn truths<'a>(
     [printed, meant, limit]: [&Map<String, Value>; 3],
 ) -> Numbers<'a> {
     let (id, report) = records.report(experiment)?;
-    let open = |set| truth(report, &folder.join(id), set);
-    let (wrong, right, limit) = (open(printed)?, open(meant)?, open(limit)?);
+    let open = |set| truth((id, report), &folder.join(id), set);
+    let ((wrong, a), (right, b), (limit, c)) = (open(printed)?, open(meant)?, open(limit)?);
     let error = |frame: &Frame| relative_rmse(&limit, &limit, frame).map_err(|e| e.to_string());
-    let (wrong, right) = (error(&wrong)?, error(&right)?);
     let text = format!(
         "rel_rmse of the truth itself from a truth of many more view steps {}",
-        comparison(wrong, right)
+        comparison(error(&wrong)?, error(&right)?)
     );
-    Ok((text, Vec::new()))
+    Ok((text, vec![a, b, c]))
 }
 
-/// The truth of the view that has these scene members.
-fn truth(report: &Report, folder: &Path, set: &Map<String, Value>) -> Result<Frame, String> {
-    let fits = |name: &&str| {
-        report.cells.iter().any(|cell| {
-            cell.result.as_ref().is_some_and(|r| r.reference == **name)
-                && set.iter().all(|(k, v)| cell.scene_set.get(k) == Some(v))
+/// The truth of the view that has these scene members, and the first of its cells.
+fn truth<'a>(
+    (experiment, report): (&'a str, &'a Report),
+    folder: &Path,
+    set: &Map<String, Value>,
+) -> Result<(Frame, Found<'a>), String> {
+    let missing = || format!("there is no truth at {}", Value::from(set.clone()));
+    let fits = |cell: &'a Cell| {
+        let numbers = cell.result.as_ref()?;
+        let fits = set.iter().all(|(k, v)| cell.scene_set.get(k) == Some(v));
+        fits.then_some(Found {
+            experiment,
+            report,
+            cell,
+            numbers,
         })
     };
-    let mut names = report.references.iter().map(|r| r.id.as_str());
-    let name = names.find(fits);
-    let reference = report
-        .references
-        .iter()
-        .find(|r| Some(r.id.as_str()) == name);
+    let found = report.cells.iter().find_map(fits).ok_or_else(missing)?;
+    let mut references = report.references.iter();
+    let reference = references.find(|r| r.id == found.numbers.reference);
     let file = reference.and_then(|r| r.files.get("exr")?.as_str());
-    let file = file.ok_or_else(|| format!("there is no truth at {}", Value::from(set.clone())))?;
-    let path = crate::report::files::inside(folder, file)?;
-    read_frame(&path).map_err(|e| e.to_string())
+    let path = crate::report::files::inside(folder, file.ok_or_else(missing)?)?;
+    let frame = read_frame(&path).map_err(|e| e.to_string())?;
+    Ok((frame, found))
 }
 
 #[cfg(test)]

@@ -199,7 +199,7 @@ fn along_axis(
             1 => (
                 format!(
                     "At {words} {}: {verdict} ({}).",
-                    number(ends[0].0),
+                    place(ends[0].0),
                     ends[0].1.text(unit(metric))
                 ),
                 Vec::new(),
@@ -207,8 +207,8 @@ fn along_axis(
             _ => (
                 format!(
                     "From {words} {} to {}: {verdict} ({}",
-                    number(ends[0].0),
-                    number(ends[1].0),
+                    place(ends[0].0),
+                    place(ends[1].0),
                     ends[0].1.text(unit(metric))
                 ),
                 ends[1].1.cells(),
@@ -221,6 +221,14 @@ fn along_axis(
         Sentence { text, cells }
     };
     Ok(stretches.iter().map(sentence).collect())
+}
+
+/// A value of an axis: counts without decimals.
+fn place(x: f64) -> String {
+    if x.fract() == 0.0 && x.abs() >= 10.0 {
+        return format!("{x}");
+    }
+    number(x)
 }
 
 /// One sentence for each limit.

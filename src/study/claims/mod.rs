@@ -193,14 +193,37 @@ fn because(verdict: Verdict, parts: &[Part]) -> String {
         Verdict::Fails => {
             let failing = of(Verdict::Fails);
             let rest = parts.len() - failing.len();
-            let mut text = format!("It fails in: {}.", failing.join("; "));
+            let mut text = format!("It fails in: {}.", named(&failing));
             if rest > 0 {
                 let (held, open) = (of(Verdict::Holds).len(), of(Verdict::Undecidable).len());
-                text += &format!(" Of the other parts {held} hold and {open} are open.");
+                let held = count(held, "holds", "hold");
+                let open = count(open, "is open", "are open");
+                text += &format!(" Of the other parts {held} and {open}.");
             }
             text
         }
         Verdict::Undecidable if parts.is_empty() => "The study names nothing to test.".to_owned(),
-        Verdict::Undecidable => format!("Open: {}.", of(Verdict::Undecidable).join("; ")),
+        Verdict::Undecidable => format!("Open: {}.", named(&of(Verdict::Undecidable))),
+    }
+}
+
+/// How many do something, with the verb for one and for many.
+fn count(n: usize, one: &str, many: &str) -> String {
+    match n {
+        0 => format!("none {one}"),
+        1 => format!("1 {one}"),
+        _ => format!("{n} {many}"),
+    }
+}
+
+/// Most parts that a sentence names.
+const MOST_NAMED: usize = 3;
+
+/// The first few, and how many more there are.
+fn named(parts: &[&str]) -> String {
+    let shown = parts[..parts.len().min(MOST_NAMED)].join("; ");
+    match parts.len().saturating_sub(MOST_NAMED) {
+        0 => shown,
+        more => format!("{shown}; and {more} more"),
     }
 }

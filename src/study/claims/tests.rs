@@ -312,7 +312,7 @@ fn a_claim_takes_all_of_its_parts_and_says_which_decided() {
     let failed = claim(vec![holds.clone(), fails, unmeasured()]);
     assert_eq!(failed.verdict, Fails);
     assert!(
-        failed.because.contains("1 hold and 1 are open"),
+        failed.because.contains("1 holds and 1 is open"),
         "{}",
         failed.because
     );

@@ -156,8 +156,8 @@ fn charts(figures: &[Figure]) -> Markup {
         section #charts {
             h2 { "Charts" }
             p {
-                "Each stands for a figure or table of the source. Filled markers are measured here, bars span the repeats; hollow "
-                "markers are values that the source's text gives."
+                "Each stands for a figure or table of the source. Filled markers are measured here, bars are the ranges that hold the "
+                "true median of the repeats; hollow markers are values that the source's text gives."
             }
             (grid(figures.iter().filter(|f| !f.file.starts_with("cost-"))))
         }

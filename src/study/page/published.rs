@@ -1,7 +1,6 @@
 //! Tables of the source beside what was measured here.
 
 use super::super::Outcome;
-use super::super::interval::Interval;
 use super::super::table::{Entry, Table};
 use super::cell_links;
 use crate::report::format::{bytes, number};
@@ -19,34 +18,50 @@ pub fn section(outcome: &Outcome) -> Markup {
     }
 }
 
+/// Which fields of a number a table has: nothing published, nothing to show.
+fn fields(table: &Table, column: usize) -> Vec<&'static str> {
+    let entries = || table.rows.iter().map(|row| &row.entries[column]);
+    let mut fields = Vec::new();
+    if entries().any(|e| e.published.is_some()) {
+        fields.push("published");
+    }
+    fields.push("here");
+    if entries().any(|e| e.published_ratio.is_some()) {
+        fields.push("÷, published");
+    }
+    if table.relative_to.is_some() {
+        fields.push("÷, here");
+    }
+    fields
+}
+
 fn one(table: &Table, outcome: &Outcome) -> Markup {
-    let columns = |title: &str| -> Vec<String> {
-        let mut columns = vec![format!("{title}, published"), format!("{title}, here")];
-        if let Some(unit) = &table.relative_to {
-            columns.push(format!("÷ {unit}, published"));
-            columns.push(format!("÷ {unit}, here"));
-        }
-        columns
-    };
+    let columns: Vec<Vec<&str>> = (0..table.metrics.len()).map(|i| fields(table, i)).collect();
     html! {
         figure.table {
             figcaption {
                 (table.figure) " · " (table.title) ". " (table.note) " "
+                @if let Some(unit) = &table.relative_to { "÷: over the total of " (unit) " in the same round. " }
                 span.where { "Adapter: " (outcome.adapter) }
             }
             div.scroll tabindex="0" { table.small {
-                thead { tr {
-                    th scope="col" { "Setting" }
-                    @for (_, title) in &table.metrics { @for name in columns(title) { th.n scope="col" { (name) } } }
-                    th scope="col" { "Cell" }
-                } }
+                thead {
+                    tr {
+                        th scope="col" rowspan="2" { "Setting" }
+                        @for ((_, title), fields) in table.metrics.iter().zip(&columns) {
+                            th.n scope="colgroup" colspan=(fields.len()) { (title) }
+                        }
+                        th scope="col" rowspan="2" { "Cell" }
+                    }
+                    tr { @for name in columns.iter().flatten() { th.n scope="col" { (name) } } }
+                }
                 tbody { @for row in &table.rows {
                     tr {
                         th scope="row" { (row.label) }
-                        @for (entry, (metric, _)) in row.entries.iter().zip(&table.metrics) {
-                            (entry_of(entry, metric, table.relative_to.is_some()))
+                        @for ((entry, (metric, _)), fields) in row.entries.iter().zip(&table.metrics).zip(&columns) {
+                            @for field in fields { td.n { (text(entry, metric, field)) } }
                         }
-                        td {
+                        td.whole {
                             @if let Some(cell) = &row.cell { (cell_links(std::slice::from_ref(cell))) }
                             @for reason in &row.missing { " " span.na { (reason) } }
                         }
@@ -57,19 +72,17 @@ fn one(table: &Table, outcome: &Outcome) -> Markup {
     }
 }
 
-fn entry_of(entry: &Entry, metric: &str, ratios: bool) -> Markup {
+fn text(entry: &Entry, metric: &str, field: &str) -> String {
     let plain = |value: f64| match metric {
         m if m.ends_with("_bytes") => bytes(value as u64),
         m if m.ends_with("_ms") => format!("{} ms", number(value)),
         _ => number(value),
     };
-    let field = |text: Option<String>| html! { td.n { (text.unwrap_or_default()) } };
-    html! {
-        (field(entry.published.map(plain)))
-        (field(entry.here.map(|v: Interval| plain(v.value))))
-        @if ratios {
-            (field(entry.published_ratio.map(number)))
-            (field(entry.ratio.map(|v| v.to_string())))
-        }
-    }
+    let text = match field {
+        "published" => entry.published.map(plain),
+        "here" => entry.here.map(|v| plain(v.value)),
+        "÷, published" => entry.published_ratio.map(number),
+        _ => entry.ratio.map(|v| v.to_string()),
+    };
+    text.unwrap_or_default()
 }

@@ -68,7 +68,8 @@ pub fn errata(outcome: &Outcome) -> Markup {
     html! {
         section #errata {
             h2 { "Errata of the source" }
-            p { "Each misprint with the number that shows it. Errors are relative to the same truth; only the misprint differs." }
+            p { "Each misprint with the number that shows it; nothing else differs. Errors of two cells are relative to one truth; "
+                "a misprint of the view march changes the truth itself." }
             @if outcome.errata.is_empty() { p { "The study lists none." } }
             @else { div.scroll tabindex="0" { table.verdicts {
                 thead { tr { @for name in ["Where", "Printed", "Meant", "Measured here"] { th scope="col" { (name) } } } }
