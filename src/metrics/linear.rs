@@ -1,7 +1,7 @@
 //! Errors of the sun-lit radiance, in linear light, over cloud pixels.
 
-use super::{CLOUD_OPACITY, EDGE_OPACITY};
 use super::ErrorNumbers;
+use super::{CLOUD_OPACITY, EDGE_OPACITY};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, is_nonfinite, nearest_rank};
 
