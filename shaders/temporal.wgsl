@@ -8,7 +8,8 @@
 // the reciprocal of the mean depth along the optical axis, weighted as the march weights light. p' is rounded to 1/256
 // pixel, the 8 bits that Direct3D asks of texture units, so that a camera at rest repeats pixels bit for bit; four neighbours
 // are interpolated. History does not serve
-//   - before there is any, and where p' lies outside the picture or behind the camera;
+//   - before there is any, and where p' lies outside the picture or behind the camera, now or then;
+//   - where the camera looked the other way: it saw another side;
 //   - where it shows something else: its own nearness at p' would have put this pixel more than one pixel away.
 // There the pixels marched in this frame are interpolated instead.
 // Cost: a dozen loads a pixel, no density samples.

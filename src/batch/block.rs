@@ -22,8 +22,8 @@ use crate::scene::ImageSize;
 use serde_json::json;
 use std::collections::HashMap;
 
-/// Maps and pictures held at once, bytes; a view with more cells is measured in several blocks.
-const BLOCK_BYTES: u64 = 2 << 30;
+/// Maps, pictures and histories held at once, bytes; a view with more cells is measured in several blocks.
+pub(super) const BLOCK_BYTES: u64 = 2 << 30;
 
 /// A cell being measured.
 struct Run<'a> {
@@ -272,6 +272,11 @@ impl<'a> Bench<'a> {
             }
             Err(error) => return Err(error),
         };
+        let rest = reconstruct::at_rest(self.task, self.view, run.spec, &run.setup, &frame)?;
+        let reconstruction = rest.map(|(record, full_s)| {
+            self.passes_s += full_s;
+            record
+        });
         let result = Measured {
             reference: view_id(self.matrix),
             cloud_pixel_fraction: comparison.cloud_pixel_fraction,
@@ -285,7 +290,7 @@ impl<'a> Bench<'a> {
             look_ups: counts.look_ups,
             error,
             decomposition,
-            reconstruction: None,
+            reconstruction,
             notes,
             files,
         };

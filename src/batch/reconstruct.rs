@@ -1,31 +1,34 @@
-//! What temporal integration costs a picture: each temporal cell on a pan, every frame against the full render of that
-//! frame by the same method, so that nothing but reconstruction differs.
+//! What temporal integration costs a picture: each temporal cell along a movement of the camera, every frame against the
+//! full render of that frame by the same method, so that nothing but reconstruction differs.
 //!
-//! The pan begins at rest: four frames of the scene as it is make the first picture, so that the curve shows ghosting
+//! A movement begins at rest: four frames of the scene as it is make the first picture, so that the curve shows ghosting
 //! come up, and not a history fill. Runs after the timed rounds, as flicker does, and joins the record when it is over.
 
+use super::block::BLOCK_BYTES;
 use super::cell::{cell_id, setup};
-use super::record::{Cell, Measured, Reconstruction};
+use super::record::{Cell, Ghosting, Measured, Reconstruction};
 use super::{Event, Observer, Task, stage, tell};
 use crate::backend::{History, Prepared, View, history_bytes};
 use crate::config::{CellSpec, View as MatrixView};
 use crate::error::Result;
 use crate::frame::Frame;
-use crate::metrics::relative_rmse;
+use crate::metrics::ghosting;
 use crate::occlusion::MethodSetup;
 use crate::raymarch::unwatched;
-use crate::scene::{Reconstruct, Track};
-
-/// How a note begins that says why there are no numbers.
-const NOTE: &str = "reconstruction: ";
+use crate::scene::{CameraTrack, ImageSize, Reconstruct, Track};
 
 /// A temporal cell on the move.
 struct Case {
     cell: Cell,
+    /// Its frames so far, or why it has no numbers.
+    moving: Result<Moving, String>,
+}
+
+struct Moving {
     setup: MethodSetup,
     history: History,
-    /// Error of each frame so far, or why there is none.
-    errors: Result<Vec<f64>, String>,
+    /// Error of each frame.
+    rel_rmse: Vec<f64>,
 }
 
 /// Runs a prepared cell until a resting camera sees the whole picture, but for the last frame; returns the seconds.
@@ -37,119 +40,218 @@ pub(super) fn fill(prepared: &Prepared, reconstruct: Reconstruct) -> Result<f64>
     Ok(passes_s)
 }
 
+/// What a cell takes and loses at rest, and the seconds of the full render; `None` for a full one. `frame` is its picture.
+pub(super) fn at_rest(
+    task: &Task,
+    view: &View,
+    spec: &CellSpec,
+    setup: &MethodSetup,
+    frame: &Frame,
+) -> Result<Option<(Reconstruction, f64)>> {
+    if spec.reconstruct.is_full() {
+        return Ok(None);
+    }
+    let full = task.backend.prepare(view, setup)?;
+    let passes_s = full.run(&mut unwatched)?.wall * 1e-3;
+    let record = Reconstruction {
+        full_rel_rmse: ghosting(&full.picture()?, frame)?,
+        history_bytes: history_bytes(spec.reconstruct, view.image),
+        ..Reconstruction::default()
+    };
+    Ok(Some((record, passes_s)))
+}
+
 /// Measures what the records of a view still lack; returns the seconds spent in passes.
 pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> Result<f64> {
-    let mut cases = Vec::new();
-    for spec in &matrix.cells {
-        cases.extend(open_case(task, matrix, spec)?);
-    }
-    if cases.is_empty() {
-        return Ok(0.0);
-    }
     let mut passes_s = 0.0;
-    for frame in 0..Track::FRAMES {
-        let what = format!("reconstruction {}/{}", frame + 1, Track::FRAMES);
-        stage(
-            observe,
-            matrix,
-            &what,
-            f64::from(frame) / f64::from(Track::FRAMES),
-        )?;
-        let scene = Track::Pan.scene(&matrix.scene, matrix.image, frame);
-        match task.backend.view(&scene, matrix.image) {
-            Ok(view) => {
-                for case in &mut cases {
-                    passes_s += run_case(task, &view, frame == 0, case)?;
-                }
-            }
-            Err(error) if error.concerns_one_cell() => {
-                for case in &mut cases {
-                    case.errors = Err(error.to_string());
-                }
-            }
-            Err(error) => return Err(error),
+    for track in &task.experiment.ghosting {
+        let mut open = Vec::new();
+        for spec in &matrix.cells {
+            open.extend(open_cell(task, matrix, spec, *track)?.map(|cell| (spec, cell)));
         }
-    }
-    for case in cases {
-        record(task, matrix, case, observe)?;
+        while !open.is_empty() {
+            let rest = open.split_off(open.len().min(histories_held(matrix.image)));
+            let mut cases = Vec::new();
+            for (spec, cell) in open {
+                let moving = noted(moving(task, matrix, spec))?;
+                cases.push(Case { cell, moving });
+            }
+            passes_s += run_track(task, matrix, *track, &mut cases, observe)?;
+            for case in cases {
+                record(task, matrix, case, *track, observe)?;
+            }
+            open = rest;
+        }
     }
     Ok(passes_s)
 }
 
-/// The cell, when it is temporal and has numbers, but neither these nor a note why not.
-fn open_case(task: &Task, matrix: &MatrixView, spec: &CellSpec) -> Result<Option<Case>> {
-    if spec.reconstruct.is_full() {
-        return Ok(None);
-    }
+/// Histories that fit the bytes of a block, at least one.
+fn histories_held(image: ImageSize) -> usize {
+    let each = history_bytes(Reconstruct::Temporal2x2, image).max(1);
+    usize::try_from(BLOCK_BYTES / each).map_or(usize::MAX, |n| n.max(1))
+}
+
+/// The cell's record, when it is temporal and has numbers, but neither these nor a note why not.
+fn open_cell(
+    task: &Task,
+    matrix: &MatrixView,
+    spec: &CellSpec,
+    track: CameraTrack,
+) -> Result<Option<Cell>> {
     let cell = task.store.cell(&cell_id(matrix, spec))?;
     let open = |result: &Measured| {
-        let noted = result.notes.iter().any(|note| note.starts_with(NOTE));
-        result.reconstruction.is_none() && !noted
+        let start = note(track, "");
+        let noted = result.notes.iter().any(|note| note.starts_with(&start));
+        let parts = result.reconstruction.as_ref();
+        parts.is_some_and(|parts| !parts.ghosting.contains_key(&track)) && !noted
     };
-    if !cell.result.as_ref().is_some_and(open) {
-        return Ok(None);
-    }
-    Ok(Some(Case {
-        cell,
+    let open = cell.result.as_ref().is_some_and(open);
+    Ok(open.then_some(cell))
+}
+
+fn moving(task: &Task, matrix: &MatrixView, spec: &CellSpec) -> Result<Moving> {
+    Ok(Moving {
         setup: setup(spec)?,
         history: task.backend.history(matrix.image)?,
-        errors: Ok(Vec::new()),
-    }))
+        rel_rmse: Vec::new(),
+    })
+}
+
+/// What concerns one cell alone becomes its note.
+fn noted<T>(result: Result<T>) -> Result<Result<T, String>> {
+    match result {
+        Ok(value) => Ok(Ok(value)),
+        Err(error) if error.concerns_one_cell() => Ok(Err(error.to_string())),
+        Err(error) => Err(error),
+    }
+}
+
+/// Renders all frames of a movement with all cases.
+fn run_track(
+    task: &Task,
+    matrix: &MatrixView,
+    track: CameraTrack,
+    cases: &mut [Case],
+    observe: Observer,
+) -> Result<f64> {
+    let mut passes_s = 0.0;
+    for frame in 0..Track::FRAMES {
+        let what = format!("ghosting, {} {}/{}", track.name(), frame + 1, Track::FRAMES);
+        let share = f64::from(frame) / f64::from(Track::FRAMES);
+        stage(observe, matrix, &what, share)?;
+        let scene = track.scene(&matrix.scene, matrix.image, frame);
+        match noted(task.backend.view(&scene, matrix.image))? {
+            Ok(view) => {
+                for case in &mut *cases {
+                    passes_s += run_case(task, &view, frame == 0, case)?;
+                }
+            }
+            Err(reason) => {
+                for case in &mut *cases {
+                    case.moving = Err(reason.clone());
+                }
+            }
+        }
+    }
+    Ok(passes_s)
 }
 
 /// One frame of one case, at `rest` the four that fill its history; returns the seconds of its passes.
 fn run_case(task: &Task, view: &View, rest: bool, case: &mut Case) -> Result<f64> {
-    let Ok(errors) = &mut case.errors else {
+    let Ok(moving) = &mut case.moving else {
         return Ok(0.0);
     };
     let mut passes_s = 0.0;
-    let mut render = |prepared: Prepared, filling: Reconstruct| -> Result<Frame> {
-        passes_s += fill(&prepared, filling)?;
-        passes_s += prepared.run(&mut unwatched)?.wall * 1e-3;
-        prepared.picture()
-    };
-    let mut error = || -> Result<f64> {
-        let full = render(task.backend.prepare(view, &case.setup)?, Reconstruct::Full)?;
-        let temporal = task
-            .backend
-            .prepare_temporal(view, &case.setup, &case.history)?;
-        let filling = if rest {
-            Reconstruct::Temporal2x2
-        } else {
-            Reconstruct::Full
-        };
-        let rebuilt = render(temporal, filling)?;
-        relative_rmse(&full, &full, &rebuilt)
-    };
-    match error() {
-        Ok(value) => errors.push(value),
-        Err(error) if error.concerns_one_cell() => case.errors = Err(error.to_string()),
-        Err(error) => return Err(error),
+    match noted(run_frame(task, view, rest, moving, &mut passes_s))? {
+        Ok(error) => moving.rel_rmse.push(error),
+        Err(reason) => case.moving = Err(reason),
     }
     Ok(passes_s)
 }
 
-/// Adds the numbers, or why there are none, to the cell's record.
-fn record(task: &Task, matrix: &MatrixView, case: Case, observe: Observer) -> Result<()> {
+/// Error of one frame.
+fn run_frame(
+    task: &Task,
+    view: &View,
+    rest: bool,
+    moving: &Moving,
+    passes_s: &mut f64,
+) -> Result<f64> {
+    let full = task.backend.prepare(view, &moving.setup)?;
+    *passes_s += full.run(&mut unwatched)?.wall * 1e-3;
+    let full = full.picture()?;
+    let temporal = task
+        .backend
+        .prepare_temporal(view, &moving.setup, &moving.history)?;
+    if rest {
+        *passes_s += fill(&temporal, Reconstruct::Temporal2x2)?;
+    }
+    *passes_s += temporal.run(&mut unwatched)?.wall * 1e-3;
+    ghosting(&full, &temporal.picture()?)
+}
+
+/// Adds the curve, or why there is none, to the cell's record.
+fn record(
+    task: &Task,
+    matrix: &MatrixView,
+    case: Case,
+    track: CameraTrack,
+    observe: Observer,
+) -> Result<()> {
     let mut cell = case.cell;
     let Some(result) = &mut cell.result else {
         return Ok(());
     };
-    match case.errors {
-        Ok(errors) => {
-            result.reconstruction = Some(Reconstruction {
-                full_rel_rmse: errors[0],
-                pan_step_deg: Track::Pan.step_deg(&matrix.scene, matrix.image),
-                ghosting_rel_rmse: errors,
-                history_bytes: history_bytes(cell.reconstruct, matrix.image),
-            });
+    match (case.moving, &mut result.reconstruction) {
+        (Ok(moving), Some(parts)) => {
+            let curve = Ghosting {
+                step_deg: track.step_deg(&matrix.scene, matrix.image),
+                step_m: track.step_m(&matrix.scene, matrix.image),
+                rel_rmse: moving.rel_rmse,
+            };
+            parts.ghosting.insert(track, curve);
         }
-        Err(reason) => {
-            let note = format!("{NOTE}{reason}");
+        (Ok(_), None) => {}
+        (Err(reason), _) => {
+            let note = note(track, &reason);
             let told = format!("{} {}: {note}", cell.scene, cell.method);
             tell(observe, Event::Note(told))?;
             result.notes.push(note);
         }
     }
     task.store.put_cell(&cell)
+}
+
+fn note(track: CameraTrack, reason: &str) -> String {
+    format!("ghosting, {}: {reason}", track.name())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+
+    #[test]
+    fn histories_held_at_once_fit_a_block() {
+        let held = |width, height| histories_held(ImageSize { width, height });
+        let bytes = history_bytes(
+            Reconstruct::Temporal2x2,
+            ImageSize {
+                width: 1920,
+                height: 1080,
+            },
+        );
+        let n = held(1920, 1080) as u64;
+        assert!(n * bytes <= BLOCK_BYTES && (n + 1) * bytes > BLOCK_BYTES);
+        assert_eq!(held(8192, 8192), 1, "one is always tried");
+        assert!(held(2, 2) > 1000);
+    }
+
+    #[test]
+    fn only_what_concerns_one_cell_becomes_a_note() {
+        let lost: Result<()> = Err(Error::gpu("out of memory", "Choose a smaller image."));
+        assert!(noted(lost).is_ok_and(|told| told.is_err()));
+        assert!(noted::<()>(Err(Error::Stopped)).is_err());
+    }
 }

@@ -4,10 +4,11 @@ use crate::error::{Error, Result};
 use crate::gpu::Environment;
 use crate::metrics::{ErrorNumbers, Stats};
 use crate::raymarch::{Memory, Samples};
-use crate::scene::{ImageSize, Reconstruct, Track};
+use crate::scene::{CameraTrack, ImageSize, Reconstruct, Track};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Version of the record format; a reader refuses another.
@@ -162,7 +163,7 @@ pub struct Measured {
     /// The error's three parts, where the experiment asks for them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub decomposition: Option<Decomposition>,
-    /// What temporal integration costs the picture; absent for `full`.
+    /// What temporal integration takes and loses; absent for `full`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reconstruction: Option<Reconstruction>,
     /// Numbers that were asked for and could not be had, and why; such a number is `null` and is not tried again.
@@ -198,19 +199,32 @@ pub struct Decomposition {
     pub noise_filter: Option<String>,
 }
 
-/// Errors of temporal integration alone: relative RMSE of the sun-lit radiance over cloud pixels, as `rel_rmse`, but
-/// against the full render of the same frame by the same method.
+/// What temporal integration takes and loses. Its errors are relative RMSE of the sun-lit radiance against the full render
+/// of the same frame by the same method, over pixels where either shows cloud ([`crate::metrics::ghosting`]).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Reconstruction {
     /// Of a camera at rest, after four frames.
     pub full_rel_rmse: f64,
-    /// Of each frame of a pan ([`Track::Pan`]); the first is the one at rest.
-    pub ghosting_rel_rmse: Vec<f64>,
-    /// Turn of the camera from one frame to the next, degrees: one pixel at the picture's centre.
-    pub pan_step_deg: f64,
+    /// Of a moving camera, along each movement that the experiment asks for.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub ghosting: BTreeMap<CameraTrack, Ghosting>,
     /// Bytes of the pictures that it remembers.
     pub history_bytes: u64,
+}
+
+/// What temporal integration loses along one movement of the camera.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ghosting {
+    /// Turn of the camera from one frame to the next, degrees; absent where it does not turn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_deg: Option<f64>,
+    /// Way of the camera from one frame to the next, metres; absent where it stays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_m: Option<f64>,
+    /// Error of each frame; the first is the one at rest.
+    pub rel_rmse: Vec<f64>,
 }
 
 /// Statistics of each pass over the repeats; `null` where the adapter has no timestamps ("n/a", never 0).

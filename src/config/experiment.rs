@@ -14,7 +14,9 @@
 //! `"decompose": true` is optional too: each cell's error is split into model, sampling and precision with f64 pictures
 //! that the oracle renders after the timed rounds.
 //!
-//! `reconstruct`, absent = `"full"`: how pictures come about ([`Reconstruct`]).
+//! `reconstruct`, absent = `"full"`: how pictures come about ([`Reconstruct`]). `ghosting`, `"pan"`, `"dolly"` or both,
+//! absent = none: temporal cells are compared with their full render in each of 16 frames of a moving camera
+//! ([`CameraTrack`]).
 //!
 //! A scene is a path relative to the experiment file, or a whole scene written in its place.
 //!
@@ -25,7 +27,7 @@ use super::document::{Document, MAX_FILE_BYTES};
 use super::locate;
 use super::matrix::MAX_CELLS;
 use crate::error::Result;
-use crate::scene::{ImageSize, Reconstruct, Track, check_name};
+use crate::scene::{CameraTrack, ImageSize, Reconstruct, Track, check_name};
 use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -54,6 +56,9 @@ pub struct Experiment {
     /// Movements along which every cell's flicker is measured after its timed rounds; empty = none. Not an axis of the
     /// matrix: all of them are recorded in one cell.
     pub flicker: Vec<Track>,
+    /// Movements along which every temporal cell's ghosting is measured after its timed rounds; empty = none. Not an axis
+    /// of the matrix either.
+    pub ghosting: Vec<CameraTrack>,
     /// Split every cell's error into model, sampling and precision after its timed rounds.
     pub decompose: bool,
     /// Scenes in file order. Never empty.
@@ -113,6 +118,8 @@ struct File {
     #[serde(default)]
     flicker: Option<Value>,
     #[serde(default)]
+    ghosting: Option<Value>,
+    #[serde(default)]
     decompose: bool,
     #[serde(rename = "scenes")]
     _scenes: Value,
@@ -169,6 +176,22 @@ pub(super) fn from_document(document: Document) -> Result<Experiment> {
     check_count(&document, "/discard", file.discard, first)?;
     check_lists(&document)?;
     let shorthands = shorthands(&document, &file)?;
+    let reconstruct = match file.reconstruct {
+        None => vec![Reconstruct::Full],
+        Some(_) => distinct(&document, "/reconstruct")?,
+    };
+    let ghosting = match file.ghosting {
+        None => Vec::new(),
+        Some(_) => distinct(&document, "/ghosting")?,
+    };
+    if !ghosting.is_empty() && reconstruct.iter().all(Reconstruct::is_full) {
+        let remedy = "Add `\"reconstruct\": \"temporal_2x2\"`, or remove `ghosting`.";
+        return Err(document.error_at_key(
+            "/ghosting",
+            "every cell is `full`, which has none",
+            remedy,
+        ));
+    }
     let each = |pointer: &str| document.one_or_many(pointer);
     Ok(Experiment {
         images: each("/image")?
@@ -188,10 +211,8 @@ pub(super) fn from_document(document: Document) -> Result<Experiment> {
             None => Vec::new(),
             Some(_) => distinct(&document, "/flicker")?,
         },
-        reconstruct: match file.reconstruct {
-            None => vec![Reconstruct::Full],
-            Some(_) => distinct(&document, "/reconstruct")?,
-        },
+        ghosting,
+        reconstruct,
         document,
     })
 }

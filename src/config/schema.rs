@@ -3,7 +3,7 @@
 use super::experiment::{MAX_RUNS, default_discard, default_runs};
 use super::methods::MethodCatalogue;
 use crate::occlusion::param::{ParamKind, ParamSpec};
-use crate::scene::{ImageSize, March, Reconstruct, Scene, Track};
+use crate::scene::{CameraTrack, ImageSize, March, Reconstruct, Scene, Track};
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
@@ -13,6 +13,7 @@ pub fn schema(catalogue: &dyn MethodCatalogue) -> Value {
     generator.subschema_for::<Scene>();
     generator.subschema_for::<ImageSize>();
     generator.subschema_for::<Track>();
+    generator.subschema_for::<CameraTrack>();
     generator.subschema_for::<Reconstruct>();
     let mut definitions = generator.take_definitions(true);
     definitions.insert("Experiment".to_owned(), experiment());
@@ -54,7 +55,8 @@ fn experiment() -> Value {
             "flicker": described(one_or_many(json!({"$ref": "#/$defs/Track"})), "Measure flicker along these movements of 16 frames: `pan`, the camera turns by one pixel of the picture's centre a frame; `sun`, the sun rises by 1° in all. Each frame has its own truth, so this costs 15 truths a movement and view. Absent: none."),
             "decompose": {"type": "boolean", "default": false, "description": "Split each cell's error into model, sampling and precision: the f64 oracle renders the truth, and each cell twice (at its own and at ample steps and texels), after the timed rounds."},
             "methods": described(one_or_many(json!({"$ref": "#/$defs/Method"})), "Methods and their parameters."),
-            "reconstruct": described(one_or_many(json!({"$ref": "#/$defs/Reconstruct"})), "How pictures come about: `full`, every pixel in every frame; `temporal_2x2`, one pixel of every 2 × 2 block a frame, the others from the picture before, reprojected. Each temporal cell is also compared with its full render along a pan of 16 frames. Absent: `full`."),
+            "reconstruct": described(one_or_many(json!({"$ref": "#/$defs/Reconstruct"})), "How pictures come about: `full`, every pixel in every frame; `temporal_2x2`, one pixel of every 2 × 2 block a frame, the others from the picture before, reprojected. Absent: `full`."),
+            "ghosting": described(one_or_many(json!({"$ref": "#/$defs/CameraTrack"})), "Compare each temporal cell with its full render along these movements of 16 frames: `pan`, the camera turns by one pixel of the picture's centre a frame; `dolly`, it moves to its right by one pixel of the middle of the container a frame. Absent: none."),
         },
         "required": ["name", "image", "scenes", "methods"],
         "additionalProperties": false,

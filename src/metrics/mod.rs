@@ -10,6 +10,7 @@
 
 mod difference;
 mod flicker;
+mod ghosting;
 mod linear;
 mod numbers;
 mod perceptual;
@@ -20,6 +21,7 @@ pub use difference::{
     DIFF_SCALE, delta_luminance, delta_rgb, difference, difference_picture, relative_rmse,
 };
 pub use flicker::Flicker;
+pub use ghosting::ghosting;
 pub use linear::mean_sun;
 pub use numbers::ErrorNumbers;
 pub use perceptual::PIXELS_PER_DEGREE;

@@ -136,7 +136,7 @@ impl Sparse<'_> {
     }
 
     /// What the picture before shows in a direction, at the depth 1/`nearness` along the optical axis; `None` when that
-    /// is outside, behind, or something else.
+    /// is outside, behind, seen from the other side, or something else.
     fn past(
         &self,
         pixels: &[Pixel],
@@ -164,11 +164,13 @@ impl Sparse<'_> {
         }
         let get = |x: i64, y: i64| pixels[clamped(y, height) * width + clamped(x, width)];
         let held = f64::from(get(at.x as i64, at.y as i64).nearness);
-        // Depth on this ray of what the history holds there.
+        // Depth on this ray of what the history holds there; a camera that looked the other way saw another side of it.
         let (_, _, forward) = camera.basis();
-        let depth = (1.0 / held - moved.dot(forward)) / ray.dot(forward);
+        let along = ray.dot(forward);
+        let depth = (1.0 / held - moved.dot(forward)) / along;
         let nearness = if held > 0.0 { 1.0 / depth } else { 0.0 };
-        let other = project(camera, self.image, seen_from(nearness)).filter(|_| nearness >= 0.0)?;
+        let ahead = nearness >= 0.0 && along > 0.0;
+        let other = project(camera, self.image, seen_from(nearness)).filter(|_| ahead)?;
         (other.distance(at) <= DISOCCLUDED).then(|| Pixel {
             nearness: nearness as f32,
             ..blend(at - 0.5, get)

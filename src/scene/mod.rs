@@ -3,6 +3,7 @@
 //! A feature that a scene does not name has no texture, no binding and no shader code.
 
 mod camera;
+mod camera_track;
 mod container;
 mod density;
 mod geometry;
@@ -14,6 +15,7 @@ mod reconstruct;
 mod track;
 
 pub use camera::{Camera, ImageSize};
+pub use camera_track::CameraTrack;
 pub use container::Container;
 pub use density::{Deck, Density, Detail, Procedural, Volume};
 pub use geometry::Intervals;

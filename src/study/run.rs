@@ -61,11 +61,18 @@ impl Forecast {
     fn new(experiment: &Experiment, matrix: &Matrix) -> Self {
         let rounds = f64::from(experiment.runs + experiment.discard + 1);
         let truths = 1.0 + (f64::from(Track::FRAMES) - 1.0) * experiment.flicker.len() as f64;
+        // A frame of a moving camera is rendered whole, and a quarter of it again.
+        let moving = 1.25 * f64::from(Track::FRAMES) * experiment.ghosting.len() as f64;
         let truth = |view: &View| truths * (view_samples(view) * TRUTH_SAMPLES + LEAST_SAMPLES);
         let cells = matrix.views.iter().flat_map(|view| {
-            view.cells
-                .iter()
-                .map(move |cell| rounds * cell_samples(view, cell) + LEAST_SAMPLES)
+            view.cells.iter().map(move |cell| {
+                let moving = if cell.reconstruct.is_full() {
+                    0.0
+                } else {
+                    moving
+                };
+                (rounds + moving) * cell_samples(view, cell) + LEAST_SAMPLES
+            })
         });
         Self {
             truths: matrix.views.iter().map(truth).sum(),

@@ -32,7 +32,7 @@ fn experiment() -> Value {
         "name": "e", "image": [{"width": 16, "height": 9}, {"width": 8, "height": 8}], "runs": 3, "discard": 2,
         "scenes": ["one.json", {"scene": "one.json", "set": {"/march/steps": [4, 8], "/camera/far_m": 9e3}}],
         "sun_elevation_deg": [60, 12], "flicker": ["pan", "sun"],
-        "reconstruct": ["full", "temporal_2x2"],
+        "reconstruct": ["full", "temporal_2x2"], "ghosting": ["pan", "dolly"],
         "methods": ["none", {"method": "srm", "steps": [6, 10]}, {"method": "bsm", "resolution": 64, "mean": "fitted"}]
     })
 }

@@ -43,6 +43,23 @@ fn bad_experiment_members_are_located() {
         &error("reconstruct", "[\"full\", \"full\"]"),
         &["(at /reconstruct/1)", "twice"],
     );
+    has(&error("ghosting", "[]"), &["(at /ghosting)", "empty"]);
+    has(
+        &error("ghosting", "\"sun\""),
+        &["(at /ghosting)", "`pan`", "`dolly`"],
+    );
+    has(
+        &error("ghosting", "[\"pan\", \"pan\"]"),
+        &["(at /ghosting/1)", "twice"],
+    );
+    has(
+        &error("ghosting", "\"dolly\""),
+        &["(at /ghosting)", "every cell is `full`", "temporal_2x2"],
+    );
+    has(
+        &error("flicker", "\"dolly\""),
+        &["(at /flicker)", "`pan`", "`sun`"],
+    );
     has(&error("image", "[]"), &["(at /image)", "empty"]);
     has(
         &error("image", r#"{"width": 0, "height": 9}"#),

@@ -206,6 +206,10 @@ fn the_schema_names_every_method_and_every_reference_resolves() {
         json!({"$ref": "#/$defs/Track"})
     );
     assert_eq!(
+        members["ghosting"]["anyOf"][0],
+        json!({"$ref": "#/$defs/CameraTrack"})
+    );
+    assert_eq!(
         members["reconstruct"]["anyOf"][0],
         json!({"$ref": "#/$defs/Reconstruct"})
     );

@@ -1,15 +1,14 @@
-//! Ghosting: what temporal integration adds to the error of each frame of a pan.
+//! Ghosting: what temporal integration adds to the error of each frame of a moving camera.
 
+use super::super::format::number;
 use super::super::style::Style;
 use super::super::view::{Case, Shot, View};
 use super::axis::Axis;
 use super::canvas::{ink_of, sheet};
 use super::plot::{Key, Plot, caption, legend, title};
-use crate::batch::record::Reconstruction;
+use crate::batch::record::Ghosting;
 use crate::error::Result;
-
-/// Heading of the chart.
-pub const TITLE: &str = "Ghosting on a pan of one pixel a frame";
+use crate::scene::CameraTrack;
 
 /// How the lines of one method are told apart.
 const PATTERNS: [&[f64]; 4] = [&[], &[7.0, 4.0], &[2.0, 3.0], &[10.0, 3.0, 2.0, 3.0]];
@@ -17,54 +16,43 @@ const PATTERNS: [&[f64]; 4] = [&[], &[7.0, 4.0], &[2.0, 3.0], &[10.0, 3.0, 2.0, 
 /// A cell with its curve, and how its line looks.
 struct Line<'a> {
     shot: Shot<'a>,
-    curve: &'a [f64],
+    curve: &'a Ghosting,
     style: Style,
     pattern: &'static [f64],
 }
 
-/// The chart; `None` when no cell was put together from several frames.
-pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
-    let mut lines: Vec<Line<'_>> = Vec::new();
-    for shot in case.shots() {
-        if let Some(Reconstruction {
-            ghosting_rel_rmse, ..
-        }) = &shot.numbers.reconstruction
-        {
-            let method = &shot.cell.method;
-            let rank = lines.iter().filter(|l| l.shot.cell.method == *method);
-            lines.push(Line {
-                shot,
-                curve: ghosting_rel_rmse,
-                pattern: PATTERNS[rank.count() % PATTERNS.len()],
-                style: Style::of(method),
-            });
-        }
+/// Heading of a movement's chart.
+pub fn title_of(track: CameraTrack) -> &'static str {
+    match track {
+        CameraTrack::Pan => "Ghosting on a pan",
+        CameraTrack::Dolly => "Ghosting on a dolly",
     }
-    if lines.is_empty() {
+}
+
+/// The chart of one movement; `None` when no cell was measured along it.
+pub fn draw(view: &View<'_>, case: &Case<'_>, track: CameraTrack) -> Result<Option<String>> {
+    let lines = lines(case, track);
+    let Some(first) = lines.first() else {
         return Ok(None);
-    }
+    };
+    let motion = motion(first.curve);
     let height = 480 + 16 * i32::try_from(lines.len() / 3).unwrap_or(0).min(30);
     let svg = sheet(height, |canvas| {
-        let top = title(canvas, TITLE, &case.short_name)?;
+        let top = title(canvas, title_of(track), &case.short_name)?;
         let key = |l: &Line<'_>| {
             let label = view.short_without(l.shot.cell, &["reconstruct"]);
             (Key::Line(l.style, l.pattern), label)
         };
         let top = legend(canvas, top, &lines.iter().map(key).collect::<Vec<_>>())?;
-        let last = lines
-            .iter()
-            .map(|l| l.curve.len().saturating_sub(1))
-            .max()
-            .unwrap_or(0);
+        let frames = lines.iter().map(|l| l.curve.rel_rmse.len());
+        let last = frames.max().unwrap_or(0).saturating_sub(1);
         let x = Axis::from_zero("frame (0: at rest)", [last as f64].into_iter());
-        let y = Axis::from_zero(
-            "relative RMSE against the full render",
-            lines.iter().flat_map(|l| l.curve.iter().copied()),
-        );
+        let values = lines.iter().flat_map(|l| l.curve.rel_rmse.iter().copied());
+        let y = Axis::from_zero("relative RMSE against the full render", values);
         let plot = Plot::new(top, height, 84, x, y);
         plot.draw(canvas)?;
         for line in &lines {
-            let values = line.curve.iter().enumerate();
+            let values = line.curve.rel_rmse.iter().enumerate();
             let path: Vec<_> = values
                 .map(|(frame, value)| (plot.px(frame as f64), plot.py(*value)))
                 .collect();
@@ -72,8 +60,41 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
             path.iter()
                 .try_for_each(|at| canvas.marker(*at, 4.0, line.style, false))?;
         }
-        let note = "Each frame against the full render of the same frame by the same method: reconstruction alone.";
-        caption(canvas, view, height, note)
+        let note = format!("{motion} Each frame against its own full render by the same method.");
+        caption(canvas, view, height, &note)
     })?;
     Ok(Some(svg))
+}
+
+fn lines<'a>(case: &Case<'a>, track: CameraTrack) -> Vec<Line<'a>> {
+    let mut lines: Vec<Line<'a>> = Vec::new();
+    for shot in case.shots() {
+        let parts = shot.numbers.reconstruction.as_ref();
+        if let Some(curve) = parts.and_then(|parts| parts.ghosting.get(&track)) {
+            let method = &shot.cell.method;
+            let rank = lines.iter().filter(|l| l.shot.cell.method == *method);
+            lines.push(Line {
+                shot,
+                curve,
+                pattern: PATTERNS[rank.count() % PATTERNS.len()],
+                style: Style::of(method),
+            });
+        }
+    }
+    lines
+}
+
+/// How the camera moves from frame to frame, in words.
+pub fn motion(curve: &Ghosting) -> String {
+    match (curve.step_deg, curve.step_m) {
+        (Some(step_deg), _) => format!(
+            "The camera turns by {}° a frame, one pixel.",
+            number(step_deg)
+        ),
+        (None, Some(step_m)) => format!(
+            "The camera moves sideways by {} m a frame, one pixel of the layer's middle.",
+            number(step_m)
+        ),
+        (None, None) => String::new(),
+    }
 }

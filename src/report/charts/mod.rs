@@ -6,7 +6,7 @@ pub mod canvas;
 pub mod curves;
 mod errors;
 pub mod extremes;
-mod ghosting;
+pub mod ghosting;
 mod labels;
 mod memory;
 mod plot;
@@ -16,6 +16,7 @@ mod steps;
 
 use super::view::View;
 use crate::error::Result;
+use crate::scene::CameraTrack;
 
 /// Width of every chart in pixels; text is at least 12 px at this width.
 pub const WIDTH: i32 = 700;
@@ -63,7 +64,16 @@ pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
                 "Three errors of each cell",
                 errors::draw(view, case)?,
             ),
-            ("ghosting", ghosting::TITLE, ghosting::draw(view, case)?),
+            (
+                "ghosting-pan",
+                ghosting::title_of(CameraTrack::Pan),
+                ghosting::draw(view, case, CameraTrack::Pan)?,
+            ),
+            (
+                "ghosting-dolly",
+                ghosting::title_of(CameraTrack::Dolly),
+                ghosting::draw(view, case, CameraTrack::Dolly)?,
+            ),
         ];
         for (kind, what, svg) in drawn {
             out.extend(svg.map(|svg| Chart {

@@ -1,9 +1,12 @@
-//! Temporal integration: what a frame costs beside a full picture, and what it leaves of the picture on a pan.
+//! Temporal integration: what a frame costs beside a full picture, and what it leaves of the picture on the move.
 
+use super::super::charts::ghosting::motion;
 use super::super::format::{bytes, number, percent};
 use super::super::view::{Case, Shot, View};
 use super::parts::{self, cell};
-use crate::batch::record::Reconstruction;
+use crate::batch::record::{Ghosting, Reconstruction};
+use crate::metrics::summarise;
+use crate::scene::CameraTrack;
 use maud::{Markup, html};
 
 /// The section; nothing where every cell is `full`.
@@ -16,12 +19,15 @@ pub fn section(view: &View<'_>) -> Markup {
             h2 { "Temporal integration" }
             p {
                 "A frame marches one pixel of every 2 × 2 block; the others come from the picture before, reprojected by "
-                "the mean depth of what is seen. A camera at rest sees the full picture after four frames. Ghosting is "
-                "the relative RMSE of each frame of a pan against the full render of that frame by the same method. "
-                "Truth and other methods play no part in it, and the map is made anew in every frame."
+                "the mean depth of what is seen. A camera at rest sees the full picture after four frames; times are those "
+                "of a camera at rest. Ghosting is the relative RMSE of each frame of a moving camera against the full render "
+                "of that frame by the same method, over pixels where either shows cloud. Truth and other methods play no "
+                "part in it, and the map is made anew in every frame."
             }
             @for case in &view.cases {
-                @if !cells(case).is_empty() { h3 { (case.name) } (table(view, case)) }
+                @let (cells, curves) = (cells(case), curves(case));
+                @if !cells.is_empty() { h3 { (case.name) } (costs(view, case, &cells)) }
+                @if !curves.is_empty() { (ghosting(view, &curves)) }
             }
         }
     }
@@ -32,48 +38,95 @@ fn cells<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, &'a Reconstruction)> {
     case.shots().into_iter().filter_map(parts).collect()
 }
 
-/// Time of the cell that differs in nothing but marching every pixel, ms.
-fn full_ms(case: &Case<'_>, shot: &Shot<'_>) -> Option<f64> {
+/// Every curve, track by track.
+fn curves<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, CameraTrack, &'a Ghosting)> {
+    let of = |track| {
+        let curve = move |(shot, parts): (Shot<'a>, &'a Reconstruction)| {
+            Some((shot, track, parts.ghosting.get(&track)?))
+        };
+        cells(case).into_iter().filter_map(curve)
+    };
+    CameraTrack::ALL.into_iter().flat_map(of).collect()
+}
+
+/// The cell that differs in nothing but marching every pixel.
+fn full<'a>(case: &Case<'a>, shot: &Shot<'_>) -> Option<Shot<'a>> {
     let mut params = shot.cell.params.clone();
     params.remove("reconstruct");
     let same = |s: &Shot<'_>| {
         s.cell.reconstruct.is_full() && s.cell.method == shot.cell.method && s.cell.params == params
     };
-    case.shots().iter().find(|s| same(s))?.time_ms()
+    case.shots().into_iter().find(same)
 }
 
-fn table(view: &View<'_>, case: &Case<'_>) -> Markup {
+/// Time of a frame over that of a full picture: the median of the ratios inside rounds, the ratio of the medians where
+/// rounds are not recorded or not the same.
+fn ratio(frame: &Shot<'_>, full: &Shot<'_>) -> Option<f64> {
+    let rounds = [frame, full].map(|shot| &shot.numbers.rounds_total_ms);
+    let ratios = rounds[0].iter().zip(rounds[1]).map(|(a, b)| a / b);
+    let ratios: Vec<f64> = ratios.filter(|r| r.is_finite()).collect();
+    match summarise(&ratios) {
+        Some(stats) if rounds[0].len() == rounds[1].len() => Some(stats.median),
+        _ => Some(frame.time_ms()? / full.time_ms()?),
+    }
+}
+
+fn costs(view: &View<'_>, case: &Case<'_>, cells: &[(Shot<'_>, &Reconstruction)]) -> Markup {
     let head = html! {
         th scope="col" { "Method" }
         th scope="col" { "Setting" }
         @for name in [
-            "Full ms", "Frame ms", "Frame ÷ full", "March ms", "Reconstruct ms", "At rest", "First step", "Last frame",
-            "Largest", "History",
+            "Full ms", "Frame ms", "Frame ÷ full", "March ms", "Reconstruct ms", "Error at rest", "History",
         ] { th.n scope="col" { (name) } }
     };
     let body = html! {
-        @for (shot, r) in cells(case) {
-            @let full = full_ms(case, &shot);
-            @let own = shot.time_ms();
-            @let curve = &r.ghosting_rel_rmse;
+        @for (shot, parts) in cells {
+            @let full = full(case, shot);
             @let times = &shot.numbers.time_ms;
             tr {
                 td { (parts::method(&shot.cell.method)) }
-                td { (parts::setting(view, &shot)) }
-                (cell(full, number))
-                (cell(own, number))
-                (cell(own.zip(full).map(|(a, b)| a / b), percent))
+                td { (parts::setting(view, shot)) }
+                (cell(full.and_then(|full| full.time_ms()), number))
+                (cell(shot.time_ms(), number))
+                (cell(full.and_then(|full| ratio(shot, &full)), percent))
                 (cell(times.march.map(|t| t.median), number))
                 (cell(times.reconstruct.map(|t| t.median), number))
-                (cell(Some(r.full_rel_rmse), number))
-                (cell(curve.get(1).copied(), number))
-                (cell(curve.last().copied(), number))
-                (cell(curve.iter().copied().reduce(f64::max), number))
-                (cell(Some(r.history_bytes as f64), |_| bytes(r.history_bytes)))
+                (cell(Some(parts.full_rel_rmse), number))
+                (cell(Some(parts.history_bytes as f64), |_| bytes(parts.history_bytes)))
             }
         }
     };
-    let caption = "Median times of a full picture, of a frame and of its passes; relative RMSE at rest and on the pan; \
-        bytes of the two pictures that are remembered.";
+    let caption = "Median times of a full picture, of one frame (a quarter of the pixels marched) and of its passes, camera \
+        at rest; the ratio is the median of those inside rounds. Relative RMSE against the full render; bytes of the two \
+        pictures that are remembered.";
+    parts::table(view, caption, "small", head, body)
+}
+
+fn ghosting(view: &View<'_>, curves: &[(Shot<'_>, CameraTrack, &Ghosting)]) -> Markup {
+    let head = html! {
+        th scope="col" { "Movement" }
+        th scope="col" { "Method" }
+        th scope="col" { "Setting" }
+        @for name in ["First step", "Last frame", "Largest"] { th.n scope="col" { (name) } }
+    };
+    let body = html! {
+        @for (shot, track, curve) in curves {
+            @let errors = &curve.rel_rmse;
+            tr {
+                td title=(motion(curve)) { (track.name()) }
+                td { (parts::method(&shot.cell.method)) }
+                td { (parts::setting(view, shot)) }
+                (cell(errors.get(1).copied(), number))
+                (cell(errors.last().copied(), number))
+                (cell(errors.iter().copied().reduce(f64::max), number))
+            }
+        }
+    };
+    let steps = CameraTrack::ALL.into_iter().filter_map(|track| {
+        let (.., curve) = curves.iter().find(|(_, t, _)| *t == track)?;
+        Some(format!("{}: {}", track.name(), motion(curve)))
+    });
+    let steps: Vec<String> = steps.collect();
+    let caption = format!("Ghosting, relative RMSE. {}", steps.join(" "));
     parts::table(view, caption, "small", head, body)
 }

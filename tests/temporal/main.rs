@@ -1,0 +1,12 @@
+//! Temporal integration: nothing at rest, reprojection on the move, the device against its f64 twin, the records.
+
+#[macro_use]
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/program.rs"]
+mod program;
+
+mod motion;
+mod records;
+mod sequence;
+mod twin;

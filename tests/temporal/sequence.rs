@@ -1,0 +1,111 @@
+//! Scenes on the move, and frames of them.
+
+use super::common::{self, box_scene};
+use glam::DVec3;
+use occlab::frame::Frame;
+use occlab::occlusion::MethodSetup;
+use occlab::oracle::{self, Options, Oracle};
+use occlab::raymarch::{History, Renderer, unwatched};
+use occlab::scene::{Ambient, ImageSize, Scene};
+use std::path::Path;
+
+/// Blobs in a box, seen with some medium-free rays around them; `jitter` as real scenes have it.
+pub fn blobs(folder: &Path, jitter: bool) -> Scene {
+    let mut scene = box_scene([-500.0; 3], [500.0; 3], 0.02);
+    let smooth = |x: usize, y: usize, z: usize| {
+        let wave = |v: usize, k: f32, p: f32| (v as f32 * k + p).sin();
+        let sum = wave(x, 0.7, 0.0) + wave(y, 0.9, 1.0) + wave(z, 0.8, 2.0) + wave(x + z, 0.4, 0.5);
+        (0.6 * sum).clamp(0.0, 1.0)
+    };
+    scene.density = common::cube_density(common::write_cube(folder, 24, smooth));
+    scene.sun.elevation_deg = 40.0;
+    scene.march.jitter = jitter;
+    scene.ambient = Some(Ambient::Uniform {
+        radiance: [0.02, 0.03, 0.05],
+    });
+    scene.camera.position_m = [0.0, 100.0, -1800.0];
+    scene.camera.target_m = [0.0; 3];
+    scene.camera.fov_y_deg = 36.0;
+    scene
+}
+
+/// A camera that flies past, turning: far enough for parallax of several pixels between near and far.
+pub fn flight(scene: &Scene, frame: u32, step_m: f64) -> Scene {
+    let mut moved = scene.clone();
+    let way_m = step_m * f64::from(frame);
+    moved.camera.position_m[0] += way_m;
+    moved.camera.position_m[2] += 0.7 * way_m;
+    moved.camera.target_m[0] -= 0.4 * way_m;
+    moved
+}
+
+/// The scene after a turn of the camera in place, degrees to the right and upwards.
+pub fn turned(scene: &Scene, right_deg: f64, up_deg: f64) -> Scene {
+    let mut moved = scene.clone();
+    let (right, up, forward) = scene.camera.basis();
+    let [(x, ahead), (y, level)] = [right_deg, up_deg].map(|a| a.to_radians().sin_cos());
+    let direction = (forward * ahead + right * x) * level + up * y;
+    moved.camera.target_m = (DVec3::from(scene.camera.position_m) + 1000.0 * direction).into();
+    moved
+}
+
+/// Full renders and temporal frames of a sequence.
+pub struct Sequence {
+    pub full: Vec<Frame>,
+    pub temporal: Vec<Frame>,
+}
+
+pub fn on_device(
+    renderer: &Renderer,
+    scenes: &[Scene],
+    image: ImageSize,
+    setup: &MethodSetup,
+) -> Sequence {
+    let history = History::new(&renderer.gpu, image).unwrap();
+    let mut frames = Sequence {
+        full: Vec::new(),
+        temporal: Vec::new(),
+    };
+    for scene in scenes {
+        let view = renderer.view(scene, image).unwrap();
+        frames
+            .full
+            .push(common::render_view(renderer, &view, setup));
+        let temporal = renderer.prepare_temporal(&view, setup, &history).unwrap();
+        let times = temporal.run(&renderer.gpu, &mut unwatched).unwrap();
+        assert_eq!(times.reconstruct.is_some(), times.march.is_some());
+        // Both passes lie inside the wall time.
+        assert!(times.total().is_none_or(|total| total <= times.wall));
+        frames
+            .temporal
+            .push(temporal.picture(&renderer.gpu).unwrap());
+    }
+    frames
+}
+
+pub fn on_oracle(scenes: &[Scene], image: ImageSize, setup: &MethodSetup) -> Sequence {
+    let mut history = oracle::History::new(image).unwrap();
+    let mut frames = Sequence {
+        full: Vec::new(),
+        temporal: Vec::new(),
+    };
+    let mut last: Option<Oracle> = None;
+    for scene in scenes {
+        let oracle = match &last {
+            Some(oracle) => oracle.again(scene, image).unwrap(),
+            None => Oracle::new(scene, image).unwrap(),
+        };
+        let method = oracle.prepare(setup, Options::default()).unwrap();
+        frames.full.push(method.render(&mut unwatched).unwrap().0);
+        method.render_next(&mut history, &mut unwatched).unwrap();
+        frames.temporal.push(history.picture().unwrap());
+        drop(method);
+        last = Some(oracle);
+    }
+    frames
+}
+
+pub fn bits(frame: &Frame) -> Vec<[u32; 4]> {
+    let pixels = frame.radiance.iter().chain(&frame.sun);
+    pixels.map(|p| p.map(f32::to_bits)).collect()
+}
