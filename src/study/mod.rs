@@ -1,8 +1,9 @@
-//! Studies: a published comparison done again. A study file names experiments; their records are put to its claims,
-//! errata, cost model and guide, and shown on one page.
+//! Studies: a published comparison done again. A study file names experiments; it is checked against their matrices, then
+//! their records are put to its claims, tables, errata, cost model and guide, and shown on one page.
 //!
 //! ```text
-//! config::Study ─► run ─► batch, one folder an experiment ─► Records ─┬► claims ─┐
+//! config::Study ─► check ─► run ─► batch, one folder each ─► Records ─┬► claims ─┐
+//!                                                                     ├► tables  │
 //!                                                                     ├► errata  │
 //!                                                                     ├► cost    ├► study.json, index.html, guide.html
 //!                                                                     ├► charts  │

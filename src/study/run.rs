@@ -9,7 +9,7 @@ use crate::batch::{self, record::Report};
 use crate::config::{CellSpec, Experiment, Matrix, Study, Test, View, expand};
 use crate::error::Result;
 use crate::occlusion::Registry;
-use crate::scene::Track;
+use crate::scene::{Reconstruct, Track};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -59,19 +59,23 @@ struct Forecast {
 
 impl Forecast {
     fn new(experiment: &Experiment, matrix: &Matrix) -> Self {
+        let frames = f64::from(Track::FRAMES);
         let rounds = f64::from(experiment.runs + experiment.discard + 1);
-        let truths = 1.0 + (f64::from(Track::FRAMES) - 1.0) * experiment.flicker.len() as f64;
-        // A frame of a moving camera is rendered whole, and a quarter of it again.
-        let moving = 1.25 * f64::from(Track::FRAMES) * experiment.ghosting.len() as f64;
-        let truth = |view: &View| truths * (view_samples(view) * TRUTH_SAMPLES + LEAST_SAMPLES);
+        let flicker = (frames - 1.0) * experiment.flicker.len() as f64;
+        let moving = frames * experiment.ghosting.len() as f64;
+        let truth =
+            |view: &View| (1.0 + flicker) * (view_samples(view) * TRUTH_SAMPLES + LEAST_SAMPLES);
         let cells = matrix.views.iter().flat_map(|view| {
             view.cells.iter().map(move |cell| {
-                let moving = if cell.reconstruct.is_full() {
-                    0.0
-                } else {
-                    moving
+                let whole = cell_samples(view, cell, 1.0);
+                let marched = match cell.reconstruct {
+                    Reconstruct::Full => rounds * whole,
+                    Reconstruct::Temporal2x2 => {
+                        let quarter = cell_samples(view, cell, 0.25);
+                        rounds * quarter + moving * (whole + quarter)
+                    }
                 };
-                (rounds + moving) * cell_samples(view, cell) + LEAST_SAMPLES
+                marched + flicker * whole + LEAST_SAMPLES
             })
         });
         Self {
@@ -97,9 +101,10 @@ fn view_samples(view: &View) -> f64 {
     0.5 * pixels * f64::from(view.scene.march.steps)
 }
 
-fn cell_samples(view: &View, cell: &CellSpec) -> f64 {
+/// Samples of a picture that marches a `share` of its pixels.
+fn cell_samples(view: &View, cell: &CellSpec, share: f64) -> f64 {
     let number = |name| cell.params.int(name).map_or(0.0, f64::from);
-    let look_ups = view_samples(view);
+    let look_ups = share * view_samples(view);
     match (cell.method.as_str(), number("resolution")) {
         ("truth", _) => look_ups * TRUTH_SAMPLES,
         (_, 0.0) => look_ups * number("steps").max(1.0),
@@ -263,4 +268,60 @@ fn quantity(quantity: &crate::config::Quantity) -> impl Iterator<Item = &str> {
         .into_iter()
         .flatten();
     picks.map(|pick| pick.experiment.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::load_study;
+
+    /// Forecasts of an experiment of the shipped study.
+    fn forecast(profile: &str, id: &str, edit: impl FnOnce(&mut Experiment)) -> Forecast {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/studies/m.json");
+        let mut study = load_study(&path, profile).unwrap();
+        let found = study.experiments.iter_mut().find(|e| e.id == id).unwrap();
+        edit(&mut found.experiment);
+        let matrix = expand(&found.experiment, &Registry).unwrap();
+        Forecast::new(&found.experiment, &matrix)
+    }
+
+    #[test]
+    fn the_forecast_knows_what_costs_time() {
+        let plain = forecast("quick", "screens", |_| ());
+        let temporal = forecast("quick", "screens", |e| {
+            e.reconstruct = vec![Reconstruct::Temporal2x2];
+        });
+        let (srm, quarter) = (
+            plain.cell(0) - LEAST_SAMPLES,
+            temporal.cell(0) - LEAST_SAMPLES,
+        );
+        let truths = plain.truths / plain.cells.len() as f64;
+        let ratio = (quarter - truths) / (srm - truths);
+        assert!((ratio - 0.25).abs() < 1e-9, "{ratio}");
+        let still = forecast("quick", "temporal", |e| e.ghosting.clear());
+        assert!(forecast("quick", "temporal", |_| ()).total() > 2.0 * still.total());
+        let still = forecast("quick", "flicker", |e| e.flicker.clear());
+        assert!(forecast("quick", "flicker", |_| ()).total() > 5.0 * still.total());
+        assert!(
+            forecast("full", "map", |_| ()).total()
+                > 10.0 * forecast("quick", "map", |_| ()).total()
+        );
+    }
+
+    #[test]
+    fn what_an_earlier_run_did_says_nothing_of_the_time_to_go() {
+        let mut meter = Meter::new(100.0);
+        meter.skip(60.0);
+        assert_eq!(meter.progress().eta_s, None);
+        meter.done += 20.0;
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        let progress = meter.progress();
+        let elapsed_s = meter.start.elapsed().as_secs_f64();
+        let eta_s = progress.eta_s.unwrap();
+        assert!(
+            eta_s > 0.0 && eta_s <= elapsed_s,
+            "20 of 20 to go: as long again"
+        );
+        assert!((progress.share - 0.8).abs() < 1e-12);
+    }
 }
