@@ -87,7 +87,7 @@ fn times_and_memory_are_named_for_what_they_are() {
     let (page, charts) = written(&pair());
     let bars = chart(&charts, "time-");
     assert!(bars.contains("one frame (a quarter of the pixels marched)"));
-    assert!(bars.contains("reconstruction") && bars.contains("camera at rest"));
+    assert!(bars.contains("reconstruction") && bars.contains("at rest."));
     for words in [
         "Reconstruct <span class=\"unit\">ms",
         "History <span class=\"unit\">bytes",

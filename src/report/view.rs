@@ -168,9 +168,18 @@ impl<'a> View<'a> {
     /// What [`Shot::time`] is the time of.
     pub fn timed(&self) -> &'static str {
         if self.temporal() {
-            "one picture; temporal_2x2: one frame (a quarter of the pixels marched)"
+            "one picture or frame"
         } else {
             "one picture"
+        }
+    }
+
+    /// What a frame is, as a sentence with a blank before it; empty where there are none.
+    pub fn frames(&self) -> &'static str {
+        if self.temporal() {
+            " temporal_2x2: one frame (a quarter of the pixels marched), at rest."
+        } else {
+            ""
         }
     }
 

@@ -37,18 +37,16 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
         });
         shots.truncate(MOST);
     }
-    let rest = if view.temporal() {
-        ", camera at rest"
-    } else {
-        ""
-    };
-    let mut note =
-        format!("Bars and numbers: medians{rest}. Whiskers: smallest to 95th percentile.");
-    if all > MOST {
-        note = format!(
+    let note = match (all > MOST, view.frames()) {
+        (false, "") => {
+            "Bars and numbers: medians. Whiskers: smallest to 95th percentile.".to_owned()
+        }
+        (false, frames) => format!("Medians. Whiskers: min to p95.{frames}"),
+        (true, "") => format!(
             "The {MOST} fastest of {all} cells, the table has the rest. Whiskers: min to 95th percentile."
-        );
-    }
+        ),
+        (true, frames) => format!("The {MOST} fastest of {all} cells.{frames}"),
+    };
     let height = 190 + ROW * shots.len() as i32;
     let svg = sheet(height, |canvas| {
         let top = title(canvas, "Time of each cell", &case.short_name)?;

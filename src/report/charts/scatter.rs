@@ -46,7 +46,10 @@ pub fn error_time(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
         reach.filter(|v| *v > 0.0),
     );
     let untimed = case.shots().len() - dots.len();
-    let mut note = "Points: medians. Horizontal bars: smallest to 95th percentile.".to_owned();
+    let mut note = match view.frames() {
+        "" => "Points: medians. Horizontal bars: smallest to 95th percentile.".to_owned(),
+        frames => format!("Medians. Bars: min to p95.{frames}"),
+    };
     if untimed > 0 {
         note += &format!(" Not shown, without timestamps: {untimed}.");
     }

@@ -126,7 +126,7 @@ fn by_error(view: &View<'_>) -> Markup {
         @if view.cases.len() > 1 { (row(EVERY_VIEW, &everywhere(&view.cases))) }
     };
     let caption = html! {
-        "Median " (view.clock().name()) " time of " (view.timed()) ", bytes of the map" @if view.temporal() { " and the history" } "."
+        "Median " (view.clock().name()) " time of " (view.timed()) ", bytes of the map" @if view.temporal() { " and the history" } "." (view.frames())
         @if view.cases.len() > 1 { " Last row: one setting for all views, by its worst error and time." }
     };
     parts::table(view, caption, "answers totals", head, body)
