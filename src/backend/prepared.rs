@@ -122,8 +122,8 @@ impl<'v> Prepared<'v> {
         }
     }
 
-    /// Counts of one picture, or of one frame of a sequence, and the seconds that counting took: a pass of its own on a device, nothing on the oracle,
-    /// which counts as it renders.
+    /// Counts of one picture, or of one frame of a sequence, and the seconds that counting took: a pass of its own on a
+    /// device, nothing on the oracle, which counts as it renders.
     pub fn counts(&self, progress: Progress) -> Result<(Counts, f64)> {
         match &self.kind {
             Kind::Temporal(temporal) => temporal.counts(&self.setup, progress),

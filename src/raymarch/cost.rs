@@ -58,3 +58,23 @@ pub struct Memory {
     /// Growth that wgpu's allocator reports; `null` where the backend does not report.
     pub allocator_bytes: Option<u64>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_total_is_every_pass_and_nothing_without_a_march() {
+        let mut times = PassTimes {
+            generate: Some(1.0),
+            march: Some(2.0),
+            reconstruct: Some(4.0),
+            wall: 100.0,
+        };
+        assert_eq!(times.total(), Some(7.0));
+        times.generate = None;
+        assert_eq!(times.total(), Some(6.0));
+        times.march = None;
+        assert_eq!(times.total(), None);
+    }
+}

@@ -25,8 +25,8 @@ pub struct Prepared {
     groups: Vec<Vec<wgpu::BindGroup>>,
     tiles: Tiles,
     pub(super) timer: Option<Timer>,
-    /// Threads of the march: pixels, or 2 × 2 blocks of them.
-    image: [u32; 2],
+    /// Threads of the march along x, y: pixels, or 2 × 2 blocks of them.
+    threads: [u32; 2],
     view_steps: u32,
     steps_a_dispatch: u32,
     march_counts: Option<wgpu::Buffer>,
@@ -87,8 +87,8 @@ impl Prepared {
         let image = [view.image.width, view.image.height];
         let march_counts = counting.then(|| counts_buffer(gpu, image));
         offer_counts(&mut inputs, march_counts.as_ref());
-        let threads = f64::from(image[0]) * f64::from(FIRST_TILE_ROWS);
-        let tiles = Tiles::new(gpu, &mut inputs, renderer.tiling, threads);
+        let first_tile = f64::from(image[0]) * f64::from(FIRST_TILE_ROWS);
+        let tiles = Tiles::new(gpu, &mut inputs, renderer.tiling, first_tile);
         let bind = |into| march.bind(gpu, &[into, &inputs, &view.inputs, &view.density.inputs]);
         let groups = match quarters {
             [] => vec![bind(&Inputs::default())?],
@@ -101,7 +101,7 @@ impl Prepared {
             groups,
             tiles,
             timer: Timer::new(gpu),
-            image: match quarters {
+            threads: match quarters {
                 [] => image,
                 _ => image.map(|side| side.div_ceil(2)),
             },
@@ -133,7 +133,7 @@ impl Prepared {
             kernel: &self.march,
             groups: &self.groups[place],
             timer,
-            size: self.image,
+            size: self.threads,
             steps: [self.view_steps, self.steps_a_dispatch],
         };
         Ok(PassTimes {

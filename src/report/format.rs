@@ -79,6 +79,14 @@ pub fn map_size(value: u64) -> String {
     }
 }
 
+/// [`map_size`] of a map and bytes of a history, which is named where there is one.
+pub fn memory_size(map: u64, history: u64) -> String {
+    match history {
+        0 => map_size(map),
+        _ => format!("{} + history {}", map_size(map), bytes(history)),
+    }
+}
+
 /// Counts in thousands, millions, billions.
 pub fn count(value: u64) -> String {
     let v = value as f64;

@@ -30,6 +30,8 @@ pub(crate) mod view;
 #[cfg(test)]
 pub(crate) mod fixture;
 #[cfg(test)]
+mod temporal_tests;
+#[cfg(test)]
 mod tests;
 
 use crate::batch::record::Report;

@@ -4,7 +4,10 @@ use crate::batch::record::Report;
 use serde_json::json;
 use std::borrow::Cow;
 
-/// The report with `reconstruct` among the parameters of cells where it is not `full`: so it stands wherever settings are
+/// Name under which it stands there.
+pub const RECONSTRUCT: &str = "reconstruct";
+
+/// The report with [`RECONSTRUCT`] among the parameters of cells where it is not `full`: so it stands wherever settings are
 /// told apart, and nowhere when no cell has it.
 pub fn shown(report: &Report) -> Cow<'_, Report> {
     if report.cells.iter().all(|cell| cell.reconstruct.is_full()) {
@@ -13,7 +16,7 @@ pub fn shown(report: &Report) -> Cow<'_, Report> {
     let mut shown = report.clone();
     for cell in shown.cells.iter_mut().filter(|c| !c.reconstruct.is_full()) {
         let value = json!(cell.reconstruct);
-        cell.params.insert("reconstruct".to_owned(), value);
+        cell.params.insert(RECONSTRUCT.to_owned(), value);
     }
     Cow::Owned(shown)
 }

@@ -1,6 +1,7 @@
 //! The records arranged for a reader: comparable cells together, settings in few words.
 
-use super::format::shorten;
+use super::format::{memory_size, shorten};
+use super::shown::RECONSTRUCT;
 use crate::batch::record::{Cell, Clock, Measured, Reference, Report};
 use crate::metrics::Stats;
 use serde_json::{Map, Value};
@@ -36,8 +37,24 @@ impl Shot<'_> {
     }
 
     /// Bytes of the map's textures.
-    pub fn map_bytes(&self) -> f64 {
-        self.numbers.memory.map_bytes as f64
+    pub fn map_bytes(&self) -> u64 {
+        self.numbers.memory.map_bytes
+    }
+
+    /// Bytes of the pictures that temporal integration remembers; 0 where every pixel is marched.
+    pub fn history_bytes(&self) -> u64 {
+        let parts = self.numbers.reconstruction.as_ref();
+        parts.map_or(0, |parts| parts.history_bytes)
+    }
+
+    /// Bytes of both.
+    pub fn memory_bytes(&self) -> u64 {
+        self.map_bytes().saturating_add(self.history_bytes())
+    }
+
+    /// Both in words, the history by its name where there is one.
+    pub fn memory(&self) -> String {
+        memory_size(self.map_bytes(), self.history_bytes())
     }
 }
 
@@ -100,7 +117,7 @@ pub struct View<'a> {
     pub report: &'a Report,
     /// Comparable cells together, in matrix order.
     pub cases: Vec<Case<'a>>,
-    /// For each method, the parameters that take more than one value.
+    /// See [`View::varying`].
     varying: BTreeMap<&'a str, Vec<&'a str>>,
 }
 
@@ -115,7 +132,12 @@ impl<'a> View<'a> {
                 .filter(|c| c.method == method)
                 .map(|c| &c.params)
                 .collect();
-            varying.insert(method, varying_keys(&sets));
+            let mut keys = varying_keys(&sets);
+            // A frame that is not the whole picture is always said.
+            if sets.iter().any(|s| s.contains_key(RECONSTRUCT)) && !keys.contains(&RECONSTRUCT) {
+                keys.push(RECONSTRUCT);
+            }
+            varying.insert(method, keys);
         }
         Self {
             report,
@@ -138,7 +160,39 @@ impl<'a> View<'a> {
         self.report.clock()
     }
 
-    /// Parameters of `method` that take more than one value in this report.
+    /// Has any cell a history?
+    pub fn temporal(&self) -> bool {
+        self.report.cells.iter().any(|c| !c.reconstruct.is_full())
+    }
+
+    /// What [`Shot::time`] is the time of.
+    pub fn timed(&self) -> &'static str {
+        if self.temporal() {
+            "one picture or frame"
+        } else {
+            "one picture"
+        }
+    }
+
+    /// What a frame is, as a sentence with a blank before it; empty where there are none.
+    pub fn frames(&self) -> &'static str {
+        if self.temporal() {
+            " temporal_2x2: one frame (a quarter of the pixels marched), at rest."
+        } else {
+            ""
+        }
+    }
+
+    /// What [`Shot::memory_bytes`] are the bytes of.
+    pub fn remembered(&self) -> &'static str {
+        if self.temporal() {
+            "Map + history"
+        } else {
+            "Map"
+        }
+    }
+
+    /// Parameters of `method` that take more than one value in this report, and [`RECONSTRUCT`] wherever a cell has it.
     pub fn varying(&self, method: &str) -> &[&'a str] {
         self.varying.get(method).map_or(&[], Vec::as_slice)
     }

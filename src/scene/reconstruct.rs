@@ -19,6 +19,10 @@ pub enum Reconstruct {
 impl Reconstruct {
     /// Column and row inside its 2 × 2 block of the pixel that each of four consecutive frames marches: the order of
     /// Bayer's matrix (Bayer 1973). Row by row, a pan of one pixel a frame would march the same half of the cloud for ever.
+    ///
+    /// No cycle of four is without such a pan: of those along rows, columns and diagonals each reaches all of the cloud
+    /// along one alone. On a pan of one pixel a frame along columns or diagonals this one marches every other row of the
+    /// cloud for ever, and never those between.
     pub const BAYER_2X2: [[u32; 2]; 4] = [[0, 0], [1, 1], [1, 0], [0, 1]];
 
     /// Name in experiments and records.
@@ -48,13 +52,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn four_frames_march_every_pixel_of_a_block_at_rest_and_on_a_pan_of_one_pixel() {
-        for pan in [0, 1] {
+    fn four_frames_march_every_pixel_of_a_block_at_rest_and_on_a_pan_along_rows() {
+        // Rows and columns of the cloud, modulo 2, that a pan marches.
+        let marched = |[across, down]: [u32; 2]| {
             let mut seen = [[false; 2]; 2];
             for (n, [x, y]) in (0..).zip(Reconstruct::BAYER_2X2) {
-                seen[y as usize][((x + n * pan) % 2) as usize] = true;
+                seen[((y + n * down) % 2) as usize][((x + n * across) % 2) as usize] = true;
             }
-            assert_eq!(seen, [[true; 2]; 2], "pan of {pan}");
+            seen
+        };
+        for pan in [[0, 0], [1, 0]] {
+            assert_eq!(marched(pan), [[true; 2]; 2], "{pan:?}");
+        }
+        for pan in [[0, 1], [1, 1]] {
+            assert_eq!(marched(pan), [[true; 2], [false; 2]], "{pan:?}");
         }
     }
 

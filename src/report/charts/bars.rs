@@ -1,4 +1,4 @@
-//! Time of each cell, split into map and march where a device timed them.
+//! Time of each cell, split into map, march and reconstruction where a device timed them.
 
 use super::super::format::ms;
 use super::super::style::Style;
@@ -12,6 +12,9 @@ use plotters::style::{Color as _, WHITE};
 
 /// Height of one row, px.
 const ROW: i32 = 23;
+/// Opacity of the parts of a bar that are not the march.
+const MAP_SHADE: f64 = 0.25;
+const RECONSTRUCT_SHADE: f64 = 0.55;
 /// Rows a chart may have before only the fastest are shown.
 const MOST: usize = 60;
 
@@ -34,18 +37,25 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
         });
         shots.truncate(MOST);
     }
-    let mut note = "Bars and numbers: medians. Whiskers: smallest to 95th percentile.".to_owned();
-    if all > MOST {
-        note = format!(
+    let note = match (all > MOST, view.frames()) {
+        (false, "") => {
+            "Bars and numbers: medians. Whiskers: smallest to 95th percentile.".to_owned()
+        }
+        (false, frames) => format!("Medians. Whiskers: min to p95.{frames}"),
+        (true, "") => format!(
             "The {MOST} fastest of {all} cells, the table has the rest. Whiskers: min to 95th percentile."
-        );
-    }
+        ),
+        (true, frames) => format!("The {MOST} fastest of {all} cells.{frames}"),
+    };
     let height = 190 + ROW * shots.len() as i32;
     let svg = sheet(height, |canvas| {
         let top = title(canvas, "Time of each cell", &case.short_name)?;
-        let keys = match view.clock() {
+        let mut keys = match view.clock() {
             Clock::Device => vec![
-                (Key::Swatch(INK, 0.25), "making the map (pale)".to_owned()),
+                (
+                    Key::Swatch(INK, MAP_SHADE),
+                    "making the map (pale)".to_owned(),
+                ),
                 (Key::Swatch(INK, 1.0), "view march (full)".to_owned()),
             ],
             Clock::Wall => vec![(
@@ -53,12 +63,16 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
                 "map and view march together".to_owned(),
             )],
         };
+        if shots.iter().any(|s| reconstruct_ms(s) > 0.0) {
+            let key = Key::Swatch(INK, RECONSTRUCT_SHADE);
+            keys.push((key, "reconstruction (half)".to_owned()));
+        }
         let top = legend(canvas, top, &keys)?;
         let reach = shots
             .iter()
             .filter_map(Shot::time)
             .map(|t| t.p95.max(t.median) * 1.16);
-        let axis = Axis::from_zero(&time_title(view.clock()), reach);
+        let axis = Axis::from_zero(&time_title(view), reach);
         let labels: Vec<String> = shots.iter().map(|s| view.short(s.cell)).collect();
         let left = room_for_rows(canvas, labels.iter().map(String::as_str))?;
         let plot = Plot::new(top, height, left, axis.clone(), axis);
@@ -75,8 +89,16 @@ pub fn draw(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
     Ok(Some(svg))
 }
 
-fn time_title(clock: Clock) -> String {
-    format!("{} time of one picture (ms)", clock.name())
+fn time_title(view: &View<'_>) -> String {
+    format!("{} time of {} (ms)", view.clock().name(), view.timed())
+}
+
+/// The pass that adds what was not marched, ms; 0 where there is none or nothing but the whole was timed.
+fn reconstruct_ms(shot: &Shot<'_>) -> f64 {
+    match shot.clock {
+        Clock::Device => shot.numbers.time_ms.reconstruct.map_or(0.0, |t| t.median),
+        Clock::Wall => 0.0,
+    }
 }
 
 fn draw_row(canvas: &Canvas<'_>, plot: &Plot, shot: &Shot<'_>, y: i32) -> Result<()> {
@@ -88,12 +110,18 @@ fn draw_row(canvas: &Canvas<'_>, plot: &Plot, shot: &Shot<'_>, y: i32) -> Result
         Clock::Device => shot.numbers.time_ms.generate.map_or(0.0, |t| t.median),
         Clock::Wall => 0.0,
     };
-    let (start, split, end) = (plot.px(0.0), plot.px(map), plot.px(total.median));
-    if split > start {
-        canvas.rect([(start, y - 7), (split.min(end), y + 7)], color.mix(0.25))?;
-    }
-    if end > split {
-        canvas.rect([(split, y - 7), (end, y + 7)], color)?;
+    let (start, end) = (plot.px(0.0), plot.px(total.median));
+    // Medians of passes need not add up to that of the whole: the march takes what is left.
+    let marched = plot.px(map).min(end);
+    let added = plot.px(total.median - reconstruct_ms(shot)).max(marched);
+    for (from, to, shade) in [
+        (start, marched, MAP_SHADE),
+        (marched, added, 1.0),
+        (added, end, RECONSTRUCT_SHADE),
+    ] {
+        if to > from {
+            canvas.rect([(from, y - 7), (to, y + 7)], color.mix(shade))?;
+        }
     }
     canvas.frame([(start, y - 7), (end, y + 7)], color)?;
     let (a, b) = (plot.px(total.min), plot.px(total.p95));

@@ -60,7 +60,7 @@ pub fn draw(view: &View<'_>, case: &Case<'_>, track: CameraTrack) -> Result<Opti
             path.iter()
                 .try_for_each(|at| canvas.marker(*at, 4.0, line.style, false))?;
         }
-        let note = format!("{motion} Each frame against its own full render by the same method.");
+        let note = format!("{motion} Each frame against its own full render.");
         caption(canvas, view, height, &note)
     })?;
     Ok(Some(svg))
@@ -87,12 +87,9 @@ fn lines<'a>(case: &Case<'a>, track: CameraTrack) -> Vec<Line<'a>> {
 /// How the camera moves from frame to frame, in words.
 pub fn motion(curve: &Ghosting) -> String {
     match (curve.step_deg, curve.step_m) {
-        (Some(step_deg), _) => format!(
-            "The camera turns by {}° a frame, one pixel.",
-            number(step_deg)
-        ),
+        (Some(step_deg), _) => format!("A turn of {}° a frame: one pixel.", number(step_deg)),
         (None, Some(step_m)) => format!(
-            "The camera moves sideways by {} m a frame, one pixel of the layer's middle.",
+            "{} m sideways a frame: one pixel in the middle of the layer.",
             number(step_m)
         ),
         (None, None) => String::new(),

@@ -19,6 +19,7 @@ struct Dot<'a> {
     x: f64,
     spread: Option<(f64, f64)>,
     y: f64,
+    has_map: bool,
 }
 
 /// Error against time; `None` when no cell has a time.
@@ -37,32 +38,44 @@ pub fn error_time(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
         .flatten();
     let axis = Axis::log(
         &format!(
-            "{} time of one picture (ms, median, log)",
-            view.clock().name()
+            "{} time of {} (ms, median, log)",
+            view.clock().name(),
+            view.timed()
         ),
         "0",
         reach.filter(|v| *v > 0.0),
     );
     let untimed = case.shots().len() - dots.len();
-    let mut note = "Points: medians. Horizontal bars: smallest to 95th percentile.".to_owned();
+    let mut note = match view.frames() {
+        "" => "Points: medians. Horizontal bars: smallest to 95th percentile.".to_owned(),
+        frames => format!("Medians. Bars: min to p95.{frames}"),
+    };
     if untimed > 0 {
         note += &format!(" Not shown, without timestamps: {untimed}.");
     }
     draw(view, case, "Error against time", axis, &dots, &note).map(Some)
 }
 
-/// Error against the bytes of the map; `None` when no cell has numbers.
+/// Error against the bytes of the map and the history; `None` when no cell has numbers.
 pub fn error_bytes(view: &View<'_>, case: &Case<'_>) -> Result<Option<String>> {
-    let dots = dots(view, case, |s| Some((s.map_bytes(), None)));
+    let dots = dots(view, case, |s| Some((s.memory_bytes() as f64, None)));
     if dots.is_empty() {
         return Ok(None);
     }
-    let axis = Axis::bytes(
-        "textures of the map as allocated (bytes, log)",
-        "0 (no map)",
-        dots.iter().map(|d| d.x),
-    );
-    let note = "Methods without a map stand at 0. Circled: no other cell has both less memory and less error.";
+    let (what, zero, note) = if view.temporal() {
+        (
+            "textures of the map as allocated and history (bytes, log)",
+            "0 (neither)",
+            "Full pictures without a map stand at 0. Circled: no other cell has both less memory and less error.",
+        )
+    } else {
+        (
+            "textures of the map as allocated (bytes, log)",
+            "0 (no map)",
+            "Methods without a map stand at 0. Circled: no other cell has both less memory and less error.",
+        )
+    };
+    let axis = Axis::bytes(what, zero, dots.iter().map(|d| d.x));
     draw(view, case, "Error against memory", axis, &dots, note).map(Some)
 }
 
@@ -82,6 +95,7 @@ fn dots<'a>(
             x,
             spread,
             y,
+            has_map: s.map_bytes() > 0,
         })
     };
     case.shots().into_iter().filter_map(dot).collect()
@@ -134,14 +148,14 @@ fn stairs(plot: &Plot, dots: &[Dot<'_>], best: &[usize]) -> Vec<Px> {
     path
 }
 
-/// The frontier of the dots right of zero, where it is not part of the whole frontier already: a method without a map
+/// The frontier of the dots with a map, where it is not part of the whole frontier already: a method without a map
 /// may beat all that have one, and the reader still wants to know which map is best.
 fn with_map(dots: &[Dot<'_>], best: &[usize]) -> Vec<usize> {
     if dots.iter().all(|d| d.x > 0.0) {
         return Vec::new();
     }
     let apart = |d: &Dot<'_>| {
-        if d.x > 0.0 {
+        if d.has_map {
             (d.x, d.y)
         } else {
             (f64::NAN, d.y)

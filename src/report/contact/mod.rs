@@ -7,7 +7,7 @@ mod layout;
 
 use super::charts::canvas::{GRID, Hang, INK, MUTED, Surface, raster};
 use super::files;
-use super::format::{map_size, ms, number};
+use super::format::{ms, number};
 use super::style::Style;
 use super::view::{Case, Shot, View};
 use crate::error::{Error, Result};
@@ -92,7 +92,7 @@ fn tiles(folder: &Path, view: &View<'_>, case: &Case<'_>) -> Vec<Tile> {
             "rel_rmse {} · {} · {}",
             number(shot.rel_rmse()),
             ms(shot.time_ms()),
-            map_size(shot.numbers.memory.map_bytes)
+            shot.memory()
         ),
         picture: read(&shot.numbers.files, "png"),
         difference: Some(read(&shot.numbers.files, "diff_png")),

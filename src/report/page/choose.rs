@@ -1,6 +1,6 @@
 //! "Which method?": the fastest setting for an error, the smallest error for a budget, in each view and in all of them.
 
-use super::super::format::{map_size, maybe, ms, number};
+use super::super::format::{map_size, maybe, memory_size, ms, number};
 use super::super::view::{Case, Shot, View, distinct};
 use super::{frontier, parts};
 use maud::{Markup, html};
@@ -15,6 +15,7 @@ struct Offer<'a> {
     rel_rmse: f64,
     total_ms: Option<f64>,
     map_bytes: u64,
+    history_bytes: u64,
 }
 
 impl<'a> Offer<'a> {
@@ -23,7 +24,8 @@ impl<'a> Offer<'a> {
             shot,
             rel_rmse: shot.rel_rmse(),
             total_ms: shot.time_ms(),
-            map_bytes: shot.numbers.memory.map_bytes,
+            map_bytes: shot.map_bytes(),
+            history_bytes: shot.history_bytes(),
         }
     }
 
@@ -31,16 +33,18 @@ impl<'a> Offer<'a> {
     fn worse(mut self, other: &Shot<'_>) -> Self {
         self.rel_rmse = self.rel_rmse.max(other.rel_rmse());
         self.total_ms = self.total_ms.zip(other.time_ms()).map(|(a, b)| a.max(b));
-        self.map_bytes = self.map_bytes.max(other.numbers.memory.map_bytes);
+        self.map_bytes = self.map_bytes.max(other.map_bytes());
+        self.history_bytes = self.history_bytes.max(other.history_bytes());
         self
     }
 
     /// The cheaper first: by time, then by memory, then by error. What has no time comes last.
     fn by_cost(&self, other: &Self) -> Ordering {
         let time = |o: &Self| o.total_ms.unwrap_or(f64::INFINITY);
+        let bytes = |o: &Self| o.map_bytes.saturating_add(o.history_bytes);
         time(self)
             .total_cmp(&time(other))
-            .then(self.map_bytes.cmp(&other.map_bytes))
+            .then(bytes(self).cmp(&bytes(other)))
             .then(self.rel_rmse.total_cmp(&other.rel_rmse))
     }
 }
@@ -68,12 +72,13 @@ pub fn section(view: &View<'_>) -> Markup {
         .cases
         .iter()
         .any(|c| c.shots().iter().any(|s| s.time_ms().is_some()));
-    let temporal = view.report.cells.iter().any(|c| !c.reconstruct.is_full());
+    let temporal = view.temporal();
     html! {
         section #which {
             h2 { "Which method?" }
             @if temporal {
-                p.notice { "Errors here are those of a camera at rest, where " code { "temporal_2x2" } " loses nothing. What it loses in motion "
+                p.notice { "Errors and times here are those of a camera at rest, where " code { "temporal_2x2" } " loses nothing; its times are "
+                    "those of one frame (a quarter of the pixels marched). What it loses in motion "
                     "stands under " a href="#temporal" { "Temporal integration" } "." }
             }
             @if timed {
@@ -121,7 +126,7 @@ fn by_error(view: &View<'_>) -> Markup {
         @if view.cases.len() > 1 { (row(EVERY_VIEW, &everywhere(&view.cases))) }
     };
     let caption = html! {
-        "Median " (view.clock().name()) " time of one picture, bytes of the map."
+        "Median " (view.clock().name()) " time of " (view.timed()) ", bytes of the map" @if view.temporal() { " and the history" } "." (view.frames())
         @if view.cases.len() > 1 { " Last row: one setting for all views, by its worst error and time." }
     };
     parts::table(view, caption, "answers totals", head, body)
@@ -134,7 +139,7 @@ fn answer(view: &View<'_>, offers: &[Offer<'_>], limit: f64) -> Markup {
     match within.min_by(|a, b| a.by_cost(b)) {
         Some(offer) => html! {
             div.choice { (parts::method(&offer.shot.cell.method)) " " (parts::setting(view, &offer.shot)) }
-            div { span.whole { (ms(offer.total_ms)) " ·" } " " span.whole { (map_size(offer.map_bytes)) } }
+            div { span.whole { (ms(offer.total_ms)) " ·" } " " span.whole { (memory_size(offer.map_bytes, offer.history_bytes)) } }
         },
         None => html! { span.na { "none measured" br; "least: " (maybe(best)) } },
     }
@@ -146,7 +151,7 @@ fn by_budget(view: &View<'_>) -> Markup {
     let mut times: Vec<f64> = shots.iter().filter_map(Shot::time_ms).collect();
     times.sort_by(f64::total_cmp);
     let usual = times.get(times.len() / 2).map(|t| two_digits(*t));
-    let mut sizes = distinct(shots.iter().map(|s| s.numbers.memory.map_bytes));
+    let mut sizes = distinct(shots.iter().map(Shot::memory_bytes));
     sizes.sort_unstable();
     let row = |name: &str, number: Option<usize>| {
         html! {
@@ -158,7 +163,7 @@ fn by_budget(view: &View<'_>) -> Markup {
     };
     let head = html! {
         th scope="col" { "Scene and sun" } th scope="col" { "Method" } th scope="col" { "Setting" }
-        th.n scope="col" { "rel_rmse" } th.n scope="col" { "Time " span.unit { "ms" } } th.n scope="col" { "Map" }
+        th.n scope="col" { "rel_rmse" } th.n scope="col" { "Time " span.unit { "ms" } } th.n scope="col" { (view.remembered()) }
     };
     let body = html! {
         @for case in &view.cases { (row(&case.name, Some(case.number))) }
@@ -171,7 +176,7 @@ fn by_budget(view: &View<'_>) -> Markup {
             p.fields {
                 label { "Time at most " input name="ms" type="number" min="0" step="any" value=[usual]; " ms" }
                 label {
-                    "Map at most "
+                    (view.remembered()) " at most "
                     select name="bytes" {
                         option value="" { "any" }
                         @for size in sizes { option value=(size) { (map_size(size)) } }

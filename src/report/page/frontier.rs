@@ -1,6 +1,6 @@
 //! The cells of each scene and sun that nothing beats, by time and by memory.
 
-use super::super::format::{map_size, ms, number, signed_percent};
+use super::super::format::{ms, number, signed_percent};
 use super::super::pareto::frontier;
 use super::super::view::{Case, Shot, View};
 use super::parts;
@@ -40,7 +40,7 @@ fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
     let head = html! {
         th.n scope="col" { "Time " span.unit { "ms" } br; span.unit { "median" br; "min–p95" } }
         (columns())
-        th.n scope="col" { "Map" }
+        th.n scope="col" { (view.remembered()) }
     };
     let body = html! {
         @for shot in frontier(&points).into_iter().map(|i| timed[i]) {
@@ -48,7 +48,7 @@ fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
             tr {
                 td.n { strong { (number(total.median)) } br; span.unit { (number(total.min)) "–" (number(total.p95)) } }
                 (cells(view, shot))
-                td.n { (map_size(shot.numbers.memory.map_bytes)) }
+                td.n { (shot.memory()) }
             }
         }
     };
@@ -58,28 +58,35 @@ fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
 fn by_memory(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
     let points: Vec<_> = shots
         .iter()
-        .map(|s| (s.map_bytes(), s.rel_rmse()))
+        .map(|s| (s.memory_bytes() as f64, s.rel_rmse()))
         .collect();
     let best = frontier(&points);
-    let only_maps: Vec<_> = points
+    let only_maps: Vec<_> = shots
         .iter()
-        .map(|p| if p.0 > 0.0 { *p } else { (f64::NAN, p.1) })
+        .zip(&points)
+        .map(|(s, p)| {
+            if s.map_bytes() > 0 {
+                *p
+            } else {
+                (f64::NAN, p.1)
+            }
+        })
         .collect();
     let mut with_map = frontier(&only_maps);
     with_map.retain(|i| !best.contains(i));
     let caption = html! {
-        "Smallest error for given memory of the map."
+        "Smallest error for given memory of the map" @if view.temporal() { " and the history" } "."
         @if !with_map.is_empty() { " Below the line: among methods with a map." }
     };
     let head = html! {
-        th.n scope="col" { "Map" }
+        th.n scope="col" { (view.remembered()) }
         (columns())
         th.n scope="col" { "Time" }
     };
     let body = html! {
         @for (i, shot) in best.iter().chain(&with_map).map(|&i| &shots[i]).enumerate() {
             tr.divided[i == best.len()] {
-                td.n { strong { (map_size(shot.numbers.memory.map_bytes)) } }
+                td.n { strong { (shot.memory()) } }
                 (cells(view, shot))
                 td.n { (ms(shot.time_ms())) }
             }

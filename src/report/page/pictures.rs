@@ -1,7 +1,7 @@
 //! Picture sheets: the truth beside the best setting of every method, and any cell beside the truth.
 
 use super::super::contact::Sheet;
-use super::super::format::{map_size, ms, number, signed_percent};
+use super::super::format::{ms, number, signed_percent};
 use super::super::view::{Case, Shot, View};
 use super::album::{Album, Picture};
 use super::parts;
@@ -127,7 +127,7 @@ fn numbers(shot: &Shot<'_>) -> Markup {
             dt { "leak" } dd { (signed_percent(error.leak)) }
             dt { "darken" } dd { (signed_percent(error.darken)) }
             dt { "time" } dd { (ms(shot.time_ms())) }
-            dt { "map" } dd { (map_size(shot.numbers.memory.map_bytes)) }
+            dt { "map" } dd { (shot.memory()) }
         }
     }
 }

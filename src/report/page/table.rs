@@ -7,7 +7,7 @@ use super::parts::{self, cell, heading};
 use maud::{Markup, html};
 
 /// Columns with their units, in order.
-const COLUMNS: [(&str, &str); 38] = [
+const COLUMNS: [(&str, &str); 40] = [
     ("#", ""),
     ("Scene", ""),
     ("Sun", "°"),
@@ -36,9 +36,11 @@ const COLUMNS: [(&str, &str); 38] = [
     ("n", ""),
     ("Map pass", "ms"),
     ("March", "ms"),
+    ("Reconstruct", "ms"),
     ("Wall", "ms"),
     ("Wall n", ""),
     ("Map", "bytes"),
+    ("History", "bytes"),
     ("Payload", "bytes"),
     ("Allocator", "bytes"),
     ("View samples", ""),
@@ -48,13 +50,18 @@ const COLUMNS: [(&str, &str); 38] = [
     ("Picture", ""),
 ];
 
+/// Columns of temporal integration, left out where every cell is `full`.
+const TEMPORAL: [&str; 2] = ["Reconstruct", "History"];
+
 /// Columns without numbers.
 const TEXTS: [&str; 4] = ["Scene", "Method", "Setting", "Picture"];
 
 /// The section.
 pub fn section(view: &View<'_>, album: &Album) -> Markup {
+    let shown = |name: &str| view.temporal() || !TEMPORAL.contains(&name);
+    let columns = COLUMNS.into_iter().filter(|(name, _)| shown(name));
     let head =
-        html! { @for (name, unit) in COLUMNS { (heading(name, unit, !TEXTS.contains(&name))) } };
+        html! { @for (name, unit) in columns { (heading(name, unit, !TEXTS.contains(&name))) } };
     let body = html! {
         @for case in &view.cases {
             @for shot in case.shots() { (row(view, case, &shot, album)) }
@@ -82,15 +89,15 @@ fn row(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &Album) -> Mark
         .and_then(|n| album.link(n));
     html! {
         tr id={ "cell-" (shot.cell.index) } data-view=(case.number) data-setting=(setting_key(shot)) data-error=(shot.rel_rmse())
-            data-ms=[shot.time_ms()] data-bytes=(shot.numbers.memory.map_bytes) {
+            data-ms=[shot.time_ms()] data-bytes=(shot.memory_bytes()) {
             td.n data-v=(shot.cell.index) { (shot.cell.index) }
             td title=(case.name) { (case.name) }
             td.n data-v=(shot.cell.sun_elevation_deg) { (shot.cell.sun_elevation_deg) }
             th scope="row" { (parts::method(&shot.cell.method)) }
             td { (parts::setting(view, shot)) }
             (errors(shot))
-            (times(shot))
-            (costs(shot))
+            (times(view, shot))
+            (costs(view, shot))
             td { @match picture { Some(link) => a href=(link) { "png" }, None => span.na { "missing" } } }
         }
     }
@@ -123,7 +130,7 @@ fn errors(shot: &Shot<'_>) -> Markup {
     }
 }
 
-fn times(shot: &Shot<'_>) -> Markup {
+fn times(view: &View<'_>, shot: &Shot<'_>) -> Markup {
     let t = &shot.numbers.time_ms;
     html! {
         (cell(t.total.map(|s| s.median), number))
@@ -133,15 +140,18 @@ fn times(shot: &Shot<'_>) -> Markup {
         (cell(t.total.map(|s| s.n as f64), |n| n.to_string()))
         (cell(t.generate.map(|s| s.median), number))
         (cell(t.march.map(|s| s.median), number))
+        @if view.temporal() { (cell(t.reconstruct.map(|s| s.median), number)) }
         (cell(t.wall.map(|s| s.median), number))
         (cell(t.wall.map(|s| s.n as f64), |n| n.to_string()))
     }
 }
 
-fn costs(shot: &Shot<'_>) -> Markup {
+fn costs(view: &View<'_>, shot: &Shot<'_>) -> Markup {
     let (m, s) = (&shot.numbers.memory, &shot.numbers.samples);
     html! {
-        @for value in [Some(m.map_bytes), Some(m.payload_bytes), m.allocator_bytes] {
+        (cell(Some(m.map_bytes as f64), |_| bytes(m.map_bytes)))
+        @if view.temporal() { (cell(Some(shot.history_bytes() as f64), |_| bytes(shot.history_bytes()))) }
+        @for value in [Some(m.payload_bytes), m.allocator_bytes] {
             (cell(value.map(|v| v as f64), |_| bytes(value.unwrap_or_default())))
         }
         @for value in [s.view, s.light, s.map] { (cell(Some(value as f64), |_| count(value))) }
