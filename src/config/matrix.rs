@@ -4,10 +4,11 @@
 //! methods as listed; their parameters as listed; `reconstruct`. The index of a cell counts in that order from 0.
 
 use super::document::Fault;
-use super::experiment::{Axis, Experiment, STEPS_POINTER, SceneEntry};
+use super::experiment::{Experiment, STEPS_POINTER};
 use super::locate::{self, Part};
 use super::methods::{self, MethodAxes, MethodCatalogue};
 use super::scene_of;
+use super::scenes::{Axis, SceneEntry};
 use crate::error::{Error, Result};
 use crate::occlusion::param::Params;
 use crate::scene::{ImageSize, Reconstruct, Scene};

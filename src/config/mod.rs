@@ -12,6 +12,7 @@ mod experiment;
 mod locate;
 mod matrix;
 mod methods;
+mod scenes;
 mod schema;
 mod stability;
 mod study;
@@ -20,11 +21,10 @@ mod suggest;
 mod tests;
 
 pub use document::{Document, MAX_FILE_BYTES};
-pub use experiment::{
-    Axis, Experiment, MethodEntry, SceneEntry, load_experiment, parse_experiment,
-};
+pub use experiment::{Experiment, MethodEntry, load_experiment, parse_experiment};
 pub use matrix::{CellSpec, MAX_CELLS, Matrix, View, describe, expand};
 pub use methods::MethodCatalogue;
+pub use scenes::{Axis, SceneEntry};
 pub use schema::schema;
 pub use stability::{Extreme, Fill, Stability, VolumeFile, load_stability, parse_stability};
 pub use study::{

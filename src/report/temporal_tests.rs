@@ -99,7 +99,7 @@ fn times_and_memory_are_named_for_what_they_are() {
     assert!(page.contains(&format!("data-bytes=\"{HISTORY_BYTES}\"")));
     assert!(chart(&charts, "error-bytes").contains("history"));
     assert!(chart(&charts, "ghosting-pan").contains("0.250° a frame"));
-    assert!(chart(&charts, "ghosting-dolly").contains("12.5 m a frame"));
+    assert!(chart(&charts, "ghosting-dolly").contains("12.5 m sideways a frame"));
     let (page, charts) = written(&report());
     assert!(!page.contains("Reconstruct <") && !page.contains("istory"));
     assert!(

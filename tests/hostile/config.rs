@@ -7,7 +7,7 @@ use occlab::config::{
     schema,
 };
 use occlab::occlusion::Registry;
-use occlab::scene::{Container, Scene, SkyModel};
+use occlab::scene::{CameraTrack, Container, ImageSize, Scene, SkyModel};
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value, json};
@@ -64,6 +64,17 @@ fn is_usable(scene: &Scene) {
     assert!(step_m > 0.0 && step_m <= 10.0);
     let longest_m = scene.container.longest_path_m();
     assert!(longest_m > 0.0 && longest_m.is_finite());
+    let image = ImageSize {
+        width: 16,
+        height: 9,
+    };
+    for track in CameraTrack::ALL {
+        let step = track.step_deg(scene, image).or(track.step_m(scene, image));
+        assert!(
+            step.is_some_and(|step| step > 0.0 && step.is_finite()),
+            "{step:?}"
+        );
+    }
     let sun = scene.sun.direction();
     assert!((sun.length() - 1.0).abs() < 1e-12);
     if let Some(sky) = &scene.sky {
