@@ -51,7 +51,7 @@ enum Command {
     Methods(info::Json),
     /// List the adapters of this machine.
     Adapters(info::Json),
-    /// Print the JSON Schema of scene and experiment files.
+    /// Print the JSON Schema of experiments, scenes, studies and stability sweeps.
     Schema,
 }
 

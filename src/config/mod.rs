@@ -1,4 +1,4 @@
-//! Files people write → checked values: scenes, experiments, the matrix of cells, the JSON Schema.
+//! Files people write → checked values: scenes, experiments, the matrix of cells, the JSON Schema of all of them.
 //!
 //! ```text
 //! scene.json ─► Document ─► Scene

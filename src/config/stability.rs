@@ -15,6 +15,7 @@ use super::{locate, matrix, suggest};
 use crate::error::Result;
 use crate::occlusion::param::{ParamSpec, ParamValue};
 use crate::scene::{ImageSize, Scene};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -59,7 +60,7 @@ pub struct Extreme {
 }
 
 /// A volume: zeros, then boxes of cells.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VolumeFile {
     /// Cells along x, y (up), z.
@@ -69,7 +70,7 @@ pub struct VolumeFile {
 }
 
 /// Cells `from` ≤ index < `to` get `value`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fill {
     /// First cell along x, y, z.
@@ -80,33 +81,51 @@ pub struct Fill {
     pub value: f32,
 }
 
-#[derive(Deserialize)]
+/// The file.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct File {
+#[schemars(rename = "Stability")]
+pub(super) struct File {
+    /// Shown on the page, 1 to 200 characters.
     name: String,
+    /// Picture size of cases that give none.
     image: ImageSize,
+    /// Parameters of every method that declares them.
     #[serde(default)]
     params: Map<String, Value>,
+    /// Volumes by name.
     #[serde(default)]
     volumes: BTreeMap<String, VolumeFile>,
+    /// Scenes by name; what a case sets may make them whole.
     scenes: Map<String, Value>,
+    /// The cases.
     extremes: Vec<FileExtreme>,
 }
 
-#[derive(Deserialize)]
+/// A case.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Extreme")]
 struct FileExtreme {
+    /// What is pushed, with its unit.
     group: String,
+    /// How far.
     name: String,
+    /// Name of the scene.
     scene: String,
+    /// Members of the scene by JSON pointer.
     #[serde(default)]
     set: Map<String, Value>,
+    /// Parameters that the case is about.
     #[serde(default)]
     params: Map<String, Value>,
+    /// Picture size.
     #[serde(default)]
     image: Option<ImageSize>,
+    /// The scene must be refused.
     #[serde(default)]
     refused: bool,
+    /// Left out of the quick profile.
     #[serde(default)]
     full_only: bool,
 }

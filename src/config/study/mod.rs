@@ -22,6 +22,7 @@ use super::document::Document;
 use super::experiment::{self, Experiment};
 use super::{locate, suggest};
 use crate::error::Result;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -69,42 +70,65 @@ pub struct StudyExperiment {
     pub experiment: Experiment,
 }
 
-#[derive(Deserialize)]
+/// The file, placeholders filled in.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct File {
+#[schemars(rename = "Study")]
+pub(super) struct File {
+    /// Short name; it names the report folder. Lower-case letters, digits, hyphens.
     name: String,
+    /// Heading of the page.
     title: String,
+    /// What is reproduced: author, year, kind of text.
     source: String,
+    /// Sizes and counts by name: `"$NAME"` elsewhere stands for the value `NAME` of the chosen profile.
     profiles: BTreeMap<String, FileProfile>,
+    /// Curves and columns by name.
     series: BTreeMap<String, Series>,
+    /// What is measured.
     experiments: Vec<FileExperiment>,
+    /// Charts of the page.
     #[serde(default)]
     charts: Vec<ChartSpec>,
+    /// Tables of the page.
     #[serde(default)]
     tables: Vec<TableSpec>,
+    /// Experiments whose pictures are shown beside their truth.
     #[serde(default)]
     pictures: Vec<String>,
+    /// Claims that are put to the test.
     #[serde(default)]
     claims: Vec<ClaimSpec>,
+    /// Defects of the source.
     #[serde(default)]
     errata: Vec<Erratum>,
+    /// Questions that the guide answers.
     #[serde(default)]
     guide: Vec<Question>,
 }
 
-#[derive(Deserialize)]
+/// A profile.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "StudyProfile")]
 struct FileProfile {
+    /// What sets it apart, in a sentence or two.
     about: String,
+    /// Values by name.
     #[serde(default)]
     values: Map<String, Value>,
 }
 
-#[derive(Deserialize)]
+/// One experiment.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "StudyExperiment")]
 struct FileExperiment {
+    /// Names the folder of its report: lower-case letters, digits, hyphens.
     id: String,
+    /// One line on what it measures.
     title: String,
+    /// An experiment without its name.
     matrix: Map<String, Value>,
 }
 

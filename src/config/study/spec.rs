@@ -3,12 +3,13 @@
 //! Axes are named by what they vary: a parameter of the method (`steps`), a scene member by JSON pointer
 //! (`/sun/elevation_deg`), `width`, `height` or `pixels` of the picture, or the measured `cloud_pixel_fraction`.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// A method and the axis values that pick its cells.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
     /// Method id.
@@ -22,7 +23,7 @@ pub struct Series {
 }
 
 /// Cells of an experiment: those of a series at further axis values.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pick {
     /// Id of the experiment.
@@ -35,7 +36,7 @@ pub struct Pick {
 }
 
 /// A number of one cell, or the difference of two.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Quantity {
     /// Which number, e.g. `total_ms`.
@@ -48,7 +49,7 @@ pub struct Quantity {
 }
 
 /// What is tested. Limits are inclusive; a missing upper limit is no limit.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Test {
     /// A number lies between limits.
@@ -124,7 +125,7 @@ pub enum Test {
 }
 
 /// A part of a claim.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
     /// The part in words, a clause.
@@ -134,7 +135,7 @@ pub struct Check {
 }
 
 /// A published claim: it holds when all of its parts do.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClaimSpec {
     /// Id, e.g. `M5`.
@@ -148,7 +149,7 @@ pub struct ClaimSpec {
 }
 
 /// Published points of a series.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Published {
     /// The series they belong to.
@@ -168,7 +169,7 @@ fn one() -> f64 {
 }
 
 /// A chart: one curve a series.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChartSpec {
     /// Names the file.
@@ -212,7 +213,7 @@ pub struct ChartSpec {
 }
 
 /// A table of the source, measured again.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TableSpec {
     /// Short name, for messages.
@@ -238,7 +239,7 @@ pub struct TableSpec {
 }
 
 /// A number of a table.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TableColumn {
     /// Which number.
@@ -248,7 +249,7 @@ pub struct TableColumn {
 }
 
 /// A cell of a table.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TableRow {
     /// Name of the series.
@@ -262,7 +263,7 @@ pub struct TableRow {
 }
 
 /// What shows a defect.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Evidence {
     /// A published number against a measured one.
@@ -306,7 +307,7 @@ pub enum Evidence {
 }
 
 /// A defect of the source.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Erratum {
     /// Where it stands.
@@ -320,7 +321,7 @@ pub struct Erratum {
 }
 
 /// A question of the guide.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Question {
     /// Which series has the smallest number at each value of an axis?

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 mod errors;
 mod matrix;
 mod scenes;
+mod schema;
 
 const STEPS: ParamSpec = ParamSpec {
     name: "steps",

@@ -1,7 +1,10 @@
-//! One JSON Schema (draft 2020-12) for scene and experiment files, for editors and for `occlab schema`.
+//! One JSON Schema (draft 2020-12) for every file that people write, for editors and for `occlab schema`.
+
+mod study;
 
 use super::experiment::{MAX_RUNS, default_discard, default_runs};
 use super::methods::MethodCatalogue;
+use super::stability;
 use crate::occlusion::param::{ParamKind, ParamSpec};
 use crate::scene::{CameraTrack, ImageSize, March, Reconstruct, Scene, Track};
 use schemars::generate::SchemaSettings;
@@ -15,14 +18,19 @@ pub fn schema(catalogue: &dyn MethodCatalogue) -> Value {
     generator.subschema_for::<Track>();
     generator.subschema_for::<CameraTrack>();
     generator.subschema_for::<Reconstruct>();
+    generator.subschema_for::<stability::File>();
     let mut definitions = generator.take_definitions(true);
-    definitions.insert("Experiment".to_owned(), experiment());
+    let (experiment, methods) = (experiment(), methods(catalogue));
+    definitions.extend(study::definitions(&experiment, &methods));
+    definitions.insert("Experiment".to_owned(), experiment);
     definitions.insert("SceneEntry".to_owned(), scene_entry());
-    definitions.insert("Method".to_owned(), methods(catalogue));
+    definitions.insert("Method".to_owned(), methods);
+    let kinds = ["Experiment", "Scene", "Study", "Stability"];
+    let kinds = kinds.map(|name| json!({"$ref": format!("#/$defs/{name}")}));
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "occlab scene or experiment",
-        "oneOf": [{"$ref": "#/$defs/Experiment"}, {"$ref": "#/$defs/Scene"}],
+        "title": "occlab experiment, scene, study or stability sweep",
+        "oneOf": kinds,
         "$defs": definitions,
     })
 }
