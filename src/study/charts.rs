@@ -157,10 +157,10 @@ fn unit_of(spec: &ChartSpec, records: &Records<'_>) -> String {
         .and_then(|f| select::metric(&f, "total_ms"))
     {
         Ok(unit) => format!(
-            "1 = {label} in the same round: {}",
+            "1 = {label} in the same picture: {}",
             ms(Some(unit.interval.value))
         ),
-        Err(_) => format!("1 = {label} in the same picture and round"),
+        Err(_) => format!("1 = {label} in the same picture"),
     }
 }
 

@@ -48,7 +48,7 @@ pub struct Entry {
     pub published_ratio: Option<f64>,
     /// Here.
     pub here: Option<Interval>,
-    /// Here, over the same series in the same picture and rounds.
+    /// Here, over that series in the same picture, round by round where they share rounds.
     pub ratio: Option<Interval>,
 }
 

@@ -41,7 +41,7 @@ fn one(table: &Table, outcome: &Outcome) -> Markup {
         figure.table {
             figcaption {
                 (table.figure) " · " (table.title) ". " (table.note) " "
-                @if let Some(unit) = &table.relative_to { "÷: over the total of " (unit) " in the same round. " }
+                @if let Some(unit) = &table.relative_to { "÷: over the total of " (unit) " in the same picture. " }
                 span.where { "Adapter: " (outcome.adapter) }
             }
             div.scroll tabindex="0" { table.small {
