@@ -4,7 +4,7 @@
 #[macro_use]
 mod common;
 
-use occlab::raymarch::unwatched;
+use occlab::raymarch::{PassTimes, unwatched};
 
 #[test]
 fn passes_account_for_the_wall_time_of_every_prepared_method() {
@@ -30,6 +30,46 @@ fn passes_account_for_the_wall_time_of_every_prepared_method() {
                     "{id}: passes are {share:.3} of the wall time, {times:?}"
                 );
             }
+        }
+    });
+}
+
+/// Time against the number of frames in flight is a line through the origin: waiting once for many frames measures neither
+/// less than each of them takes, nor what a wait takes. Printed, not asserted, but for what no noise can change.
+#[test]
+fn frames_in_flight_are_all_timed_and_fill_their_wall_time() {
+    needs_adapter!();
+    common::on_gpu(|renderer| {
+        let gpu = &renderer.gpu;
+        let scene = common::box_scene([0.0; 3], [1000.0; 3], 0.01);
+        let view = renderer.view(&scene, common::size(64, 48)).unwrap();
+        println!(
+            "{:>8} {:>8} {:>12} {:>12}",
+            "method", "frames", "passes, ms", "wall, ms"
+        );
+        for (id, set) in [("srm", "steps=20"), ("bsm", "resolution=64")] {
+            let prepared = renderer.prepare(&view, &common::setup(id, set)).unwrap();
+            let one = prepared.run(gpu, &mut unwatched).unwrap();
+            let picture = view.read(gpu).unwrap();
+            for frames in [1, 2, 4, 8, 16, 160] {
+                let mut asked_aloft = false;
+                let times = prepared.repeat(gpu, frames, || asked_aloft = true).unwrap();
+                assert!(asked_aloft && times.len() == frames as usize);
+                let wall_ms: f64 = times.iter().map(|t| t.wall).sum();
+                if gpu.has_timestamps() {
+                    let passes_ms: f64 = times.iter().filter_map(PassTimes::total).sum();
+                    println!("{id:>8} {frames:>8} {passes_ms:>12.3} {wall_ms:>12.3}");
+                    assert!(times.iter().all(|t| t.total().is_some_and(|ms| ms > 0.0)));
+                    assert!(
+                        times
+                            .iter()
+                            .all(|t| t.generate.is_some() == one.generate.is_some())
+                    );
+                    assert!(passes_ms <= 1.01 * wall_ms, "{id}: {passes_ms} > {wall_ms}");
+                }
+            }
+            let again = view.read(gpu).unwrap();
+            assert_eq!(picture.radiance, again.radiance, "{id}: the same picture");
         }
     });
 }

@@ -13,7 +13,7 @@ pub use temporal::{History, history_bytes};
 
 use crate::error::Result;
 use crate::frame::Frame;
-use crate::gpu::{Environment, Gpu, host, list_adapters, program};
+use crate::gpu::{ClockWatch, Environment, Gpu, host, list_adapters, program};
 use crate::occlusion::MethodSetup;
 use crate::oracle::{self, Oracle};
 use crate::raymarch::reference::{self, Counting, Truth};
@@ -108,6 +108,14 @@ impl Backend {
         match self {
             Self::Device(_) => (discard, runs),
             Self::Oracle(_) => (0, 1),
+        }
+    }
+
+    /// The device, and what tells how fast it runs; `None` on the oracle.
+    pub fn watched(&self) -> Result<Option<(&Gpu, &ClockWatch)>> {
+        match self {
+            Self::Device(renderer) => Ok(Some((&renderer.gpu, renderer.clock_watch()?))),
+            Self::Oracle(_) => Ok(None),
         }
     }
 

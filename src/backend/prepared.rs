@@ -7,7 +7,7 @@ use crate::frame::Frame;
 use crate::occlusion::MethodSetup;
 use crate::oracle::{Options, Oracle};
 use crate::raymarch::{
-    self, Counts, MapTexels, Memory, PassTimes, Progress, Renderer, planned_memory,
+    self, Counts, MapTexels, Memory, PassTimes, Progress, Renderer, planned_memory, unwatched,
 };
 use std::cell::RefCell;
 use std::time::Instant;
@@ -95,6 +95,21 @@ impl<'v> Prepared<'v> {
                     wall: start.elapsed().as_secs_f64() * 1e3,
                     ..PassTimes::default()
                 })
+            }
+        }
+    }
+
+    /// Renders `frames` pictures, or the next frames of a sequence, without waiting between them; the times of each. `aloft`
+    /// is called while they are under way, on the oracle before them. Run once before.
+    pub fn repeat(&self, frames: u32, aloft: impl FnOnce()) -> Result<Vec<PassTimes>> {
+        match &self.kind {
+            Kind::Temporal(temporal) => temporal.repeat(&self.setup, frames, aloft),
+            Kind::Device {
+                renderer, prepared, ..
+            } => prepared.repeat(&renderer.gpu, frames, aloft),
+            Kind::Oracle { .. } => {
+                aloft();
+                (0..frames).map(|_| self.run(&mut unwatched)).collect()
             }
         }
     }

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::frame::Frame;
 use crate::occlusion::MethodSetup;
 use crate::oracle::{self, Options, Oracle};
-use crate::raymarch::{self, Counts, PassTimes, Progress, Renderer, planned_memory};
+use crate::raymarch::{self, Counts, PassTimes, Progress, Renderer, planned_memory, unwatched};
 use crate::scene::{ImageSize, Reconstruct};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
@@ -116,6 +116,26 @@ impl Temporal<'_> {
                     wall: start.elapsed().as_secs_f64() * 1e3,
                     ..PassTimes::default()
                 })
+            }
+        }
+    }
+
+    /// The next frames, without waiting between them.
+    pub fn repeat(
+        &self,
+        setup: &MethodSetup,
+        frames: u32,
+        aloft: impl FnOnce(),
+    ) -> Result<Vec<PassTimes>> {
+        match self {
+            Self::Device {
+                renderer, prepared, ..
+            } => prepared.repeat(&renderer.gpu, frames, aloft),
+            Self::Oracle { .. } => {
+                aloft();
+                (0..frames)
+                    .map(|_| self.run(setup, &mut unwatched))
+                    .collect()
             }
         }
     }

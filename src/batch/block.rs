@@ -2,12 +2,15 @@
 //!
 //! Rounds go over all cells before the next begins, so that a drift of the machine's speed meets every method alike and
 //! ratios can be taken inside a round. Nothing but passes runs between the first timed round and the last: pictures are
-//! read in the first discarded round, counted, compared and written after the last.
+//! read in the first discarded round, counted, compared and written after the last. How a cell fills the queue in its
+//! round: [`super::rounds`]; how steady the device was: [`super::clock`].
 
-use super::cell::{bare_cell, cell_id, record_failure, setup, times, view_id};
+use super::cell::{bare_cell, cell_id, each_round, record_failure, setup, times, view_id};
+use super::clock::Watch;
 use super::decompose::{Decomposer, Parts};
 use super::pictures::{write_compared, write_parts, write_picture};
 use super::record::{Cell, Measured, Reference};
+use super::rounds::{self, Round};
 use super::view_steps::view_step_error;
 use super::{Event, Observer, Task, flicker, reconstruct, stage, tell};
 use crate::backend::{Prepared, View, history_bytes};
@@ -31,7 +34,25 @@ struct Run<'a> {
     setup: MethodSetup,
     prepared: Prepared<'a>,
     frame: Option<Frame>,
-    times: Vec<PassTimes>,
+    /// Time of a frame, ms, as far as is known.
+    frame_ms: f64,
+    rounds: Vec<Round>,
+}
+
+impl Run<'_> {
+    /// The first run, whose picture is kept: one frame, waited for.
+    fn first(&mut self) -> Result<Round> {
+        let filled_s = reconstruct::fill(&self.prepared, self.spec.reconstruct)?;
+        let times = self.prepared.run(&mut unwatched)?;
+        self.frame = Some(self.prepared.picture()?);
+        self.frame_ms = rounds::cost_ms(&times);
+        Ok(Round {
+            times,
+            frames: 1,
+            refused: times.refused.into(),
+            seconds: filled_s + times.wall * 1e-3,
+        })
+    }
 }
 
 /// State of one view.
@@ -183,10 +204,11 @@ impl<'a> Bench<'a> {
                 Err(error) => record_failure(self.task, self.matrix, spec, &error, observe)?,
             }
         }
-        self.rounds(&mut runs, observe)?;
+        let block = specs[0].index;
+        self.rounds(&mut runs, block, observe)?;
         for run in runs {
             let spec = run.spec;
-            match self.measure(run, specs[0].index) {
+            match self.measure(run, block) {
                 Ok(cell) => {
                     self.task.store.put_cell(&cell)?;
                     tell(observe, Event::Cell(Box::new(cell)))?;
@@ -209,41 +231,48 @@ impl<'a> Bench<'a> {
             setup,
             prepared,
             frame: None,
-            times: Vec::new(),
+            frame_ms: f64::INFINITY,
+            rounds: Vec::new(),
         })
     }
 
-    fn rounds(&mut self, runs: &mut [Run], observe: Observer) -> Result<()> {
-        let experiment = self.task.experiment;
-        let (discard, timed) = self
-            .task
+    fn rounds(&mut self, runs: &mut [Run], block: usize, observe: Observer) -> Result<()> {
+        if runs.is_empty() {
+            return Ok(());
+        }
+        let task = self.task;
+        let (discard, timed) = task
             .backend
-            .rounds(experiment.discard, experiment.runs);
+            .rounds(task.experiment.discard, task.experiment.runs);
         let rounds = discard + timed;
-        let total = f64::from(rounds) * runs.len().max(1) as f64;
+        let mut watch = Watch::new(task.backend)?;
         for round in 0..rounds {
+            if round == discard {
+                stage(observe, self.matrix, "until the clock settles", 0.0)?;
+                watch.settle(&view_id(self.matrix), block)?;
+            }
+            watch.between_rounds()?;
+            let count = runs.len() as f64;
             for (i, run) in runs.iter_mut().enumerate() {
-                let share = (f64::from(round) * total / f64::from(rounds) + i as f64) / total;
-                stage(
-                    observe,
-                    self.matrix,
-                    &format!("round {}/{rounds}", round + 1),
-                    share,
-                )?;
-                if round == 0 {
-                    self.passes_s += reconstruct::fill(&run.prepared, run.spec.reconstruct)?;
-                }
-                let times = run.prepared.run(&mut unwatched)?;
-                self.passes_s += times.wall * 1e-3;
-                if round == 0 {
-                    run.frame = Some(run.prepared.picture()?);
-                }
+                let share = (f64::from(round) + i as f64 / count) / f64::from(rounds);
+                let what = format!("round {}/{rounds}", round + 1);
+                stage(observe, self.matrix, &what, share)?;
+                let made = match round {
+                    0 => run.first()?,
+                    _ => rounds::fly(&run.prepared, &mut run.frame_ms, &mut || watch.read())?,
+                };
+                self.passes_s += made.seconds;
                 if round >= discard {
-                    run.times.push(times);
+                    run.rounds.push(made);
                 }
             }
         }
-        Ok(())
+        watch.between_rounds()?;
+        self.passes_s += watch.seconds;
+        match watch.finish() {
+            Some(record) => task.store.put_clock(&record),
+            None => Ok(()),
+        }
     }
 
     fn measure(&mut self, run: Run, block: usize) -> Result<Cell> {
@@ -259,7 +288,7 @@ impl<'a> Bench<'a> {
             ..comparison.error
         };
         let mut files = write_compared(self.task.store, &id, &self.truth.frame, &frame)?;
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = rounds::note(&run.rounds).into_iter().collect();
         let decomposition = match self.decompose(&run.setup, &frame) {
             Ok(None) => None,
             Ok(Some((record, parts))) => {
@@ -283,9 +312,10 @@ impl<'a> Bench<'a> {
             fallback_fraction: counts.fallbacks as f64 / counts.look_ups.max(1) as f64,
             memory: run.prepared.memory,
             block,
-            time_ms: times(&run.times),
-            rounds_total_ms: run.times.iter().filter_map(PassTimes::total).collect(),
-            rounds_generate_ms: run.times.iter().filter_map(|t| t.generate).collect(),
+            time_ms: times(&run.rounds),
+            frames_in_flight: run.rounds.iter().map(|r| r.frames).min().unwrap_or(1),
+            rounds_total_ms: each_round(&run.rounds, PassTimes::total),
+            rounds_generate_ms: each_round(&run.rounds, |t| t.generate),
             samples: counts.samples,
             look_ups: counts.look_ups,
             error,

@@ -1,6 +1,7 @@
 //! Names and records of cells.
 
 use super::record::{Cell, Times};
+use super::rounds::Round;
 use super::{Event, Observer, Task, tell};
 use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
@@ -41,9 +42,10 @@ pub(super) fn setup(spec: &CellSpec) -> Result<MethodSetup> {
 }
 
 /// Statistics of each pass over the timed rounds.
-pub(super) fn times(runs: &[PassTimes]) -> Times {
+pub(super) fn times(rounds: &[Round]) -> Times {
     let stats = |value: fn(&PassTimes) -> Option<f64>| {
-        summarise(&runs.iter().filter_map(value).collect::<Vec<_>>())
+        let values = rounds.iter().filter_map(|round| value(&round.times));
+        summarise(&values.collect::<Vec<_>>())
     };
     Times {
         generate: stats(|t| t.generate),
@@ -51,6 +53,18 @@ pub(super) fn times(runs: &[PassTimes]) -> Times {
         reconstruct: stats(|t| t.reconstruct),
         total: stats(PassTimes::total),
         wall: stats(|t| Some(t.wall)),
+    }
+}
+
+/// A time of each round, in round order, `None` where a round has none; nothing where no round has one.
+pub(super) fn each_round(
+    rounds: &[Round],
+    value: fn(&PassTimes) -> Option<f64>,
+) -> Vec<Option<f64>> {
+    let times: Vec<_> = rounds.iter().map(|round| value(&round.times)).collect();
+    match times.iter().all(Option::is_none) {
+        true => Vec::new(),
+        false => times,
     }
 }
 
@@ -99,4 +113,31 @@ pub(super) fn record_failure(
     };
     task.store.put_cell(&cell)?;
     tell(observe, Event::Cell(Box::new(cell)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn round(generate: Option<f64>) -> Round {
+        Round {
+            times: PassTimes {
+                generate,
+                march: Some(2.0),
+                refused: generate.is_none(),
+                ..PassTimes::default()
+            },
+            ..Round::default()
+        }
+    }
+
+    #[test]
+    fn a_round_without_a_time_is_null_in_its_place_and_in_no_statistic() {
+        let rounds = [round(Some(1.0)), round(None), round(Some(3.0))];
+        let total = each_round(&rounds, PassTimes::total);
+        assert_eq!(total, [Some(3.0), None, Some(5.0)]);
+        let stats = times(&rounds).total.expect("statistics");
+        assert_eq!((stats.n, stats.median), (2, 4.0));
+        assert_eq!(each_round(&[round(None)], PassTimes::total), []);
+    }
 }

@@ -3,11 +3,13 @@
 
 mod block;
 mod cell;
+pub mod clock;
 mod decompose;
 mod flicker;
 mod pictures;
 mod reconstruct;
 pub mod record;
+mod rounds;
 mod store;
 mod view_steps;
 
@@ -137,6 +139,7 @@ fn run_view(task: &Task, view: &MatrixView, observe: Observer) -> Result<f64> {
 fn assemble(matrix: &Matrix, store: &Store) -> Result<Report> {
     let mut cells = Vec::new();
     let mut references = Vec::new();
+    let mut clock = Vec::new();
     for view in &matrix.views {
         references.extend(store.reference(&cell::view_id(view))?);
         for spec in &view.cells {
@@ -145,6 +148,7 @@ fn assemble(matrix: &Matrix, store: &Store) -> Result<Report> {
             cell.index = spec.index;
             cells.push(cell);
         }
+        clock.extend(store.clock(&cell::view_id(view))?);
     }
     Ok(Report {
         schema: SCHEMA.to_owned(),
@@ -152,6 +156,7 @@ fn assemble(matrix: &Matrix, store: &Store) -> Result<Report> {
         experiment: store.state().experiment.clone(),
         cells,
         references,
+        clock,
         claims: Vec::new(),
         wall: store.state().wall.clone(),
     })

@@ -1,5 +1,6 @@
 //! What a batch leaves behind: one [`Cell`] for each point of the matrix, one [`Report`] for each folder.
 
+use super::clock::ClockRecord;
 use crate::error::{Error, Result};
 use crate::gpu::Environment;
 use crate::metrics::{ErrorNumbers, Stats};
@@ -28,6 +29,9 @@ pub struct Report {
     pub cells: Vec<Cell>,
     /// The truths the cells were compared with.
     pub references: Vec<Reference>,
+    /// How steady the adapter was, one entry a block of cells; empty where the oracle rendered.
+    #[serde(default)]
+    pub clock: Vec<ClockRecord>,
     /// Verdicts on published claims (empty for a plain batch).
     pub claims: Vec<Value>,
     /// Wall-clock account of the whole run.
@@ -40,7 +44,7 @@ pub struct Report {
 pub struct WallClock {
     /// From start to report.
     pub total_s: f64,
-    /// Passes on the device: timed runs, discarded runs, truths, counting, floor, flicker and ghosting renders,
+    /// Passes on the device: timed runs, discarded runs, warming up, truths, counting, floor, flicker and ghosting renders,
     /// view-step checks.
     pub passes_s: f64,
     /// Shader composition and pipeline compilation.
@@ -147,12 +151,15 @@ pub struct Measured {
     pub block: usize,
     /// Milliseconds over the repeats.
     pub time_ms: Times,
-    /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. Empty without
-    /// timestamps.
-    pub rounds_total_ms: Vec<f64>,
+    /// Frames that were in the queue at once in each round, at least; a round's time is the median over them.
+    #[serde(default = "one")]
+    pub frames_in_flight: u32,
+    /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. `null` for a round
+    /// whose timestamps are no times; empty without timestamps.
+    pub rounds_total_ms: Vec<Option<f64>>,
     /// Time of the map pass in each round, ms, likewise. Empty without a map.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub rounds_generate_ms: Vec<f64>,
+    pub rounds_generate_ms: Vec<Option<f64>>,
     /// Density samples, from an untimed counting pipeline.
     pub samples: Samples,
     /// Light look-ups in a map, from the same pipeline; 0 without a map.
@@ -172,6 +179,11 @@ pub struct Measured {
     /// Files relative to the report folder: `exr`, `png`, `diff_png`; with a decomposition `model_png`, `sampling_png`,
     /// `precision_png`, all differences at the scale `diff_scale`.
     pub files: Map<String, Value>,
+}
+
+/// Records of before had one frame at a time.
+fn one() -> u32 {
+    1
 }
 
 /// The parts of a cell's error, each the RMS of a signed image over the truth's own RMS, ≥ 0. The images add up to the
@@ -284,6 +296,13 @@ impl Report {
         } else {
             Clock::Wall
         }
+    }
+
+    /// Least and largest drift of the clock probe over all blocks, see [`ClockRecord::drift`]; `None` where nothing was
+    /// watched.
+    pub fn clock_drift(&self) -> Option<[f64; 2]> {
+        let drifts = self.clock.iter().filter_map(ClockRecord::drift);
+        drifts.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
     }
 
     /// Reads `report.json` of a folder.

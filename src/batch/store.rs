@@ -1,5 +1,6 @@
 //! A report folder while it is being filled: one file a cell, each written whole; a killed run leaves nothing half-done.
 
+use super::clock::ClockRecord;
 use super::record::{Cell, Reference, WallClock};
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
@@ -27,7 +28,7 @@ const STATE: &str = "batch.json";
 impl Store {
     /// Opens a folder for an experiment on an adapter, or makes it. Records of anything else are refused, not mixed.
     pub fn open(folder: &Path, experiment: &Value, environment: &Environment) -> Result<Self> {
-        for sub in ["cells", "references", "images"] {
+        for sub in ["cells", "references", "clock", "images"] {
             let path = folder.join(sub);
             std::fs::create_dir_all(&path).map_err(Error::writing(&path))?;
         }
@@ -96,6 +97,28 @@ impl Store {
 
     pub fn put_reference(&self, view_id: &str, reference: &Reference) -> Result<()> {
         self.write(&format!("references/{view_id}.json"), reference)
+    }
+
+    pub fn put_clock(&self, record: &ClockRecord) -> Result<()> {
+        let ClockRecord {
+            reference, block, ..
+        } = record;
+        self.write(&format!("clock/{reference}-{block}.json"), record)
+    }
+
+    /// How steady the adapter was in each block of a view, in the order of the blocks.
+    pub fn clock(&self, view_id: &str) -> Result<Vec<ClockRecord>> {
+        let folder = self.path("clock");
+        let mut records = Vec::new();
+        for entry in std::fs::read_dir(&folder).map_err(Error::reading(&folder))? {
+            let path = entry.map_err(Error::reading(&folder))?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            if name.starts_with(&format!("{view_id}-")) && name.ends_with(".json") {
+                records.push(read::<ClockRecord>(&path)?);
+            }
+        }
+        records.sort_by_key(|record| record.block);
+        Ok(records)
     }
 
     /// Adds a run's seconds to the account.

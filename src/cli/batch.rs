@@ -140,6 +140,15 @@ fn summarise(report: &Report) {
         wall.passes_s,
         wall.compile_s
     );
+    if let Some([least, most]) = report.clock_drift() {
+        let unsettled = report.clock.iter().filter(|block| !block.settled).count();
+        eprintln!(
+            "clock probe: changed by {:+.1} … {:+.1} % over the rounds; not settled before {unsettled} of {} blocks",
+            least * 100.0,
+            most * 100.0,
+            report.clock.len()
+        );
+    }
 }
 
 fn row(cell: &Cell, clock: Clock) -> String {

@@ -2,6 +2,7 @@
 
 use super::environment::{Environment, host, program};
 use super::shader::Sources;
+use super::timing::Timer;
 use crate::error::{Error, Result};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
@@ -25,6 +26,7 @@ pub struct Gpu {
     pub info: wgpu::AdapterInfo,
     /// Text of the shaders that its kernels are composed of.
     pub sources: Sources,
+    timer: Option<Timer>,
     failures: Arc<Mutex<Failures>>,
     lost: Arc<AtomicBool>,
     compile_us: AtomicU64,
@@ -158,6 +160,10 @@ impl Gpu {
             instance,
             adapter,
             sources: Sources::embedded(),
+            timer: device
+                .features()
+                .contains(wgpu::Features::TIMESTAMP_QUERY)
+                .then(Timer::new),
             device,
             queue,
             failures,
@@ -213,9 +219,12 @@ impl Gpu {
 
     /// Are pass times measured on this adapter?
     pub fn has_timestamps(&self) -> bool {
-        self.device
-            .features()
-            .contains(wgpu::Features::TIMESTAMP_QUERY)
+        self.timer.is_some()
+    }
+
+    /// Queries for the times of passes; `None` where the adapter has no timestamps: times are then "n/a".
+    pub(super) fn timer(&self) -> Option<&Timer> {
+        self.timer.as_ref()
     }
 
     /// For records.

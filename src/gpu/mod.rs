@@ -1,5 +1,8 @@
 //! Everything that knows wgpu and is not a pass: the device, shader composition, kernels bound by name, timing, read-back.
 
+mod clock_probe;
+mod clock_watch;
+mod clocks;
 mod context;
 mod environment;
 mod kernel;
@@ -9,10 +12,13 @@ mod shader;
 mod timing;
 mod uniform;
 
+pub use clock_probe::{IN_FLIGHT_MS, WarmUp};
+pub use clock_watch::ClockWatch;
+pub use clocks::{ClockReading, Clocks, Extent};
 pub use context::{AdapterSummary, Gpu, list_adapters};
 pub use environment::{Environment, host, program};
 pub use kernel::{Inputs, Kernel, Resource};
 pub use readback::{read_buffer, read_texture};
 pub use shader::{Defs, Program, Sources, compose};
-pub use timing::Timer;
+pub use timing::{Flight, Landed, PassTime, Span, Timer};
 pub use uniform::{Leaf, Scalar, UniformValue, pack, struct_leaves};

@@ -58,6 +58,7 @@ const FILES: &[(&str, &str)] = shaders![
     "generate.wgsl",
     "raymarch.wgsl",
     "temporal.wgsl",
+    "clock_probe.wgsl",
 ];
 
 /// The text of every shader file, by its path below `shaders/`.

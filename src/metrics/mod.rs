@@ -25,7 +25,7 @@ pub use ghosting::ghosting;
 pub use linear::mean_sun;
 pub use numbers::ErrorNumbers;
 pub use perceptual::PIXELS_PER_DEGREE;
-pub use stats::{Stats, summarise};
+pub use stats::{Stats, Thirds, summarise, thirds};
 
 use crate::error::{Error, Result};
 use crate::frame::{Exposure, Frame, is_nonfinite, tone_map};

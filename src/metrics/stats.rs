@@ -44,6 +44,34 @@ pub fn summarise(values: &[f64]) -> Option<Stats> {
     })
 }
 
+/// How repeats changed from the first third of a sample to the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thirds {
+    /// Median of the last third over that of the first, less 1.
+    pub change: f64,
+    /// The ranges of both thirds have a value in common.
+    pub overlap: bool,
+}
+
+/// Compares the thirds of a sample in the order in which it was taken; `None` with fewer than two values a third, whose
+/// range would be a point, and where a value is not positive.
+pub fn thirds(values: &[f64]) -> Option<Thirds> {
+    let third = values.len() / 3;
+    if third < 2 || !values.iter().all(|v| v.is_finite() && *v > 0.0) {
+        return None;
+    }
+    let (first, last) = (&values[..third], &values[values.len() - third..]);
+    let range = |values: &[f64]| {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        [least, values.iter().copied().fold(0.0, f64::max)]
+    };
+    let ([a, b], [c, d]) = (range(first), range(last));
+    Some(Thirds {
+        change: summarise(last)?.median / summarise(first)?.median - 1.0,
+        overlap: a <= d && c <= b,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,5 +105,20 @@ mod tests {
         assert_eq!(summarise(&[]), None);
         assert_eq!(summarise(&[1.0, f64::NAN]), None);
         assert_eq!(summarise(&[f64::INFINITY]), None);
+    }
+
+    #[test]
+    fn thirds_of_a_drift_lie_apart_and_of_noise_overlap() {
+        let drift: Vec<f64> = (0..9).map(|i| 10.0 + f64::from(i)).collect();
+        let drifting = thirds(&drift).unwrap();
+        assert_eq!(
+            (drifting.change, drifting.overlap),
+            (17.0 / 11.0 - 1.0, false)
+        );
+        let noise = [10.0, 12.0, 11.0, 40.0, 10.0, 9.0, 11.5, 10.5, 12.5];
+        let steady = thirds(&noise).unwrap();
+        assert!(steady.overlap && steady.change.abs() < 0.1);
+        assert_eq!(thirds(&noise[..5]), None, "one value a third has no range");
+        assert_eq!(thirds(&[1.0, 1.0, 0.0, 1.0, 1.0, 1.0]), None);
     }
 }

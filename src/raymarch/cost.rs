@@ -1,9 +1,10 @@
 //! What a picture costs: time, density samples, memory.
 
+use crate::gpu::{Landed, PassTime, Span};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Times of one run, ms; GPU times are `None` where the adapter has no timestamps.
+/// Times of one run, ms; GPU times are `None` where the adapter has no timestamps, or gave such as are no times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassTimes {
     /// The map pass; `None` without a map.
@@ -12,15 +13,56 @@ pub struct PassTimes {
     pub march: Option<f64>,
     /// What temporal integration adds to the pixels it marched; `None` where every pixel is marched.
     pub reconstruct: Option<f64>,
-    /// Submission to completion, seen from the CPU.
+    /// Submission to completion, seen from the CPU; of frames in flight together, an equal share of all.
     pub wall: f64,
+    /// Timestamps of some pass are no time (see [`PassTime`]): that pass and the total have none.
+    pub refused: bool,
 }
 
 impl PassTimes {
-    /// Sum of the passes.
+    /// From the passes of a picture; `None` for a pass that it does not have.
+    pub(super) fn of_passes(
+        generate: Option<PassTime>,
+        march: PassTime,
+        reconstruct: Option<PassTime>,
+        wall: f64,
+    ) -> Self {
+        let parts = [generate, Some(march), reconstruct];
+        Self {
+            generate: generate.and_then(|pass| pass.ms),
+            march: march.ms,
+            reconstruct: reconstruct.and_then(|pass| pass.ms),
+            wall,
+            refused: parts.into_iter().flatten().any(|pass| pass.refused),
+        }
+    }
+
+    /// Sum of the passes; `None` where one that ran has no time.
     pub fn total(&self) -> Option<f64> {
         let others = [self.generate, self.reconstruct].into_iter().flatten();
-        self.march.map(|march| march + others.sum::<f64>())
+        let march = self.march.filter(|_| !self.refused)?;
+        Some(march + others.sum::<f64>())
+    }
+}
+
+/// The passes of one picture in a flight; no spans for a pass that it does not have.
+#[derive(Debug, Default)]
+pub(super) struct FrameSpans {
+    pub generate: Vec<Span>,
+    pub march: Vec<Span>,
+    pub reconstruct: Vec<Span>,
+}
+
+impl FrameSpans {
+    /// Times of the picture, one of `frames` in flight together.
+    pub fn times(&self, landed: &Landed, frames: u32) -> PassTimes {
+        let optional = |spans: &[Span]| (!spans.is_empty()).then(|| landed.pass(spans));
+        PassTimes::of_passes(
+            optional(&self.generate),
+            landed.pass(&self.march),
+            optional(&self.reconstruct),
+            landed.wall_ms / f64::from(frames),
+        )
     }
 }
 
@@ -70,11 +112,25 @@ mod tests {
             march: Some(2.0),
             reconstruct: Some(4.0),
             wall: 100.0,
+            refused: false,
         };
         assert_eq!(times.total(), Some(7.0));
         times.generate = None;
         assert_eq!(times.total(), Some(6.0));
         times.march = None;
         assert_eq!(times.total(), None);
+    }
+
+    #[test]
+    fn a_pass_whose_timestamps_are_no_time_is_missing_from_no_sum() {
+        let time = |ms| PassTime {
+            ms,
+            refused: ms.is_none(),
+        };
+        let times = PassTimes::of_passes(Some(time(None)), time(Some(2.0)), None, 9.0);
+        assert_eq!((times.generate, times.march), (None, Some(2.0)));
+        assert_eq!(times.total(), None);
+        let times = PassTimes::of_passes(Some(time(Some(1.0))), time(Some(2.0)), None, 9.0);
+        assert_eq!(times.total(), Some(3.0));
     }
 }

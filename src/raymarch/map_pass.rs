@@ -5,7 +5,7 @@ use super::light_map::{MapRectangle, TexelFormat};
 use super::tiles::{Pass, SLOW_SAMPLES_A_MS, Tiles};
 use super::{Progress, Renderer, View};
 use crate::error::{Error, Result};
-use crate::gpu::{Defs, Gpu, Inputs, Kernel, Program, Resource, Timer};
+use crate::gpu::{Defs, Flight, Gpu, Inputs, Kernel, PassTime, Program, Resource, Span};
 use crate::occlusion::MethodSetup;
 use std::rc::Rc;
 
@@ -56,21 +56,23 @@ impl MapPass {
         })
     }
 
-    /// Fills the map, tile by tile; its GPU time, ms.
-    pub fn fill(
-        &self,
-        gpu: &Gpu,
-        timer: Option<&Timer>,
-        progress: Progress,
-    ) -> Result<Option<f64>> {
-        let pass = Pass {
+    /// Fills the map, tile by tile; its GPU time.
+    pub fn fill(&self, gpu: &Gpu, progress: Progress) -> Result<PassTime> {
+        self.tiles.run(gpu, &self.pass(), progress)
+    }
+
+    /// Records the same without waiting.
+    pub fn record(&self, flight: &mut Flight) -> Vec<Span> {
+        self.tiles.record(flight, &self.pass())
+    }
+
+    fn pass(&self) -> Pass<'_> {
+        Pass {
             kernel: &self.kernel,
             groups: &self.groups,
-            timer,
             size: [self.texture.resolution; 2],
             steps: [1, 1],
-        };
-        self.tiles.run(gpu, &pass, progress)
+        }
     }
 }
 

@@ -22,11 +22,11 @@ pub use view::View;
 
 use crate::density::DensityField;
 use crate::error::Result;
-use crate::gpu::{Defs, Gpu, Kernel, Program, Sources};
+use crate::gpu::{ClockWatch, Defs, Gpu, Kernel, Program, Sources};
 use crate::occlusion::MethodSetup;
 use crate::scene::ImageSize;
 use crate::scene::Scene;
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::rc::Rc;
@@ -52,6 +52,7 @@ pub struct Renderer {
     kernels: RefCell<HashMap<KernelKey, Rc<Kernel>>>,
     /// The last density field: consecutive views often differ in sun or image size alone.
     density: RefCell<Option<(String, Rc<DensityField>)>>,
+    clock_watch: OnceCell<ClockWatch>,
 }
 
 /// Entry file, roles and definitions: all that a kernel depends on.
@@ -65,6 +66,18 @@ impl Renderer {
             tiling: Tiling::BATCH,
             kernels: RefCell::default(),
             density: RefCell::default(),
+            clock_watch: OnceCell::new(),
+        }
+    }
+
+    /// How fast the device runs; made when it is first asked for.
+    pub fn clock_watch(&self) -> Result<&ClockWatch> {
+        match self.clock_watch.get() {
+            Some(watch) => Ok(watch),
+            None => {
+                let made = ClockWatch::new(&self.gpu)?;
+                Ok(self.clock_watch.get_or_init(|| made))
+            }
         }
     }
 

@@ -1,12 +1,12 @@
 //! A method made ready in a view: kernels, map texture, bind groups; then run as often as wanted.
 
-use super::cost::{Counts, Memory, PassTimes, Samples};
+use super::cost::{Counts, FrameSpans, Memory, PassTimes, Samples};
 use super::map_pass::{MapPass, MapTexture, counts_buffer, offer_counts};
 use super::map_texels::MapTexels;
 use super::tiles::{Pass, Tiles};
 use super::{Progress, Renderer, View};
 use crate::error::{Error, Result};
-use crate::gpu::{Gpu, Inputs, Kernel, Program, Timer, UniformValue, read_buffer};
+use crate::gpu::{Flight, Gpu, Inputs, Kernel, Program, UniformValue, read_buffer};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::param::ParamValue;
 use std::rc::Rc;
@@ -24,7 +24,6 @@ pub struct Prepared {
     /// One for each place that the march may write to.
     groups: Vec<Vec<wgpu::BindGroup>>,
     tiles: Tiles,
-    pub(super) timer: Option<Timer>,
     /// Threads of the march along x, y: pixels, or 2 × 2 blocks of them.
     threads: [u32; 2],
     view_steps: u32,
@@ -100,7 +99,6 @@ impl Prepared {
             march,
             groups,
             tiles,
-            timer: Timer::new(gpu),
             threads: match quarters {
                 [] => image,
                 _ => image.map(|side| side.div_ceil(2)),
@@ -124,24 +122,39 @@ impl Prepared {
         progress: Progress,
     ) -> Result<PassTimes> {
         let start = Instant::now();
-        let timer = self.timer.as_ref();
         let generate = match &self.map {
             None => None,
-            Some(map) => map.fill(gpu, timer, &mut |_| progress(0.0))?,
+            Some(map) => Some(map.fill(gpu, &mut |_| progress(0.0))?),
         };
-        let pass = Pass {
+        let march = self.tiles.run(gpu, &self.pass(place), progress)?;
+        let wall = start.elapsed().as_secs_f64() * 1e3;
+        Ok(PassTimes::of_passes(generate, march, None, wall))
+    }
+
+    /// Renders `frames` pictures one after the other without waiting between them, map and march of each in one submission,
+    /// as an engine does; the times of each. `aloft` is called while they are under way. Run once before: how long a pass
+    /// takes, and so whether it must be cut into tiles, is not known earlier.
+    pub fn repeat(&self, gpu: &Gpu, frames: u32, aloft: impl FnOnce()) -> Result<Vec<PassTimes>> {
+        fly(gpu, frames, aloft, |flight| Ok(self.record_into(flight, 0)))
+    }
+
+    /// Records one picture into one of the places given to [`Prepared::new`].
+    pub(super) fn record_into(&self, flight: &mut Flight, place: usize) -> FrameSpans {
+        let map = self.map.as_ref();
+        FrameSpans {
+            generate: map.map(|map| map.record(flight)).unwrap_or_default(),
+            march: self.tiles.record(flight, &self.pass(place)),
+            reconstruct: Vec::new(),
+        }
+    }
+
+    fn pass(&self, place: usize) -> Pass<'_> {
+        Pass {
             kernel: &self.march,
             groups: &self.groups[place],
-            timer,
             size: self.threads,
             steps: [self.view_steps, self.steps_a_dispatch],
-        };
-        Ok(PassTimes {
-            generate,
-            march: self.tiles.run(gpu, &pass, progress)?,
-            reconstruct: None,
-            wall: start.elapsed().as_secs_f64() * 1e3,
-        })
+        }
     }
 
     /// The light map of the last run; `None` for a method without one.
@@ -160,6 +173,23 @@ impl Prepared {
             fallbacks,
         })
     }
+}
+
+/// Hands over `frames` pictures that `record` records, and waits once.
+pub(super) fn fly(
+    gpu: &Gpu,
+    frames: u32,
+    aloft: impl FnOnce(),
+    mut record: impl FnMut(&mut Flight) -> Result<FrameSpans>,
+) -> Result<Vec<PassTimes>> {
+    let mut flight = Flight::new(gpu);
+    let mut spans = Vec::new();
+    for _ in 0..frames {
+        spans.push(record(&mut flight)?);
+        flight.submit();
+    }
+    let landed = flight.land(aloft)?;
+    Ok(spans.iter().map(|s| s.times(&landed, frames)).collect())
 }
 
 /// llvmpipe ends the loops of an invocation after 65 535 turns in all of them together (LP_MAX_TGSI_LOOP_ITERATIONS,

@@ -4,18 +4,16 @@
 //! Two pictures take turns: a frame reads one and writes the other, so nothing is copied. What outlives a frame is the
 //! [`History`]: a camera that moves has a view, and so a [`Temporal`], of its own in every frame.
 
-use super::prepared::Prepared;
-use super::tiles::dispatch;
+use super::prepared::{Prepared, fly};
 use super::{Counts, Memory, PassTimes, Progress, Renderer, View};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::gpu::{Gpu, Inputs, Kernel, Program, Resource, UniformValue, read_buffer};
+use crate::gpu::{Flight, Gpu, Inputs, Kernel, Program, Resource, Span, UniformValue, read_buffer};
 use crate::occlusion::MethodSetup;
 use crate::scene::{Camera, ImageSize, Reconstruct};
 use glam::{DMat3, DVec3};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
-use std::time::Instant;
 
 /// Bytes of radiance or of sunlight of a pixel, and of its nearness.
 const RGBA_BYTES: u64 = 16;
@@ -222,16 +220,41 @@ impl Temporal {
     /// The next frame of the sequence: the map, a quarter of the pixels, the rest from the history.
     pub fn run(&self, gpu: &Gpu, progress: Progress) -> Result<PassTimes> {
         let frame = self.history.frame.get();
-        let inputs = self.history.inputs(&self.camera);
-        let groups = self.kernel.bind(gpu, &[&inputs, &self.outputs[frame]])?;
+        let groups = self.reconstruct_groups(gpu, frame)?;
         let mut times = self.march.run_into(gpu, frame, progress)?;
-        let ImageSize { width, height } = self.history.image;
-        let start = Instant::now();
-        let timer = self.march.timer.as_ref();
-        times.reconstruct = dispatch(gpu, timer, &self.kernel, &groups, [width, height, 1])?;
-        times.wall += start.elapsed().as_secs_f64() * 1e3;
+        let mut flight = Flight::new(gpu);
+        let span = self.record_reconstruct(&mut flight, &groups);
+        let landed = flight.land(|| ())?;
+        let pass = landed.pass(&[span]);
+        times.reconstruct = pass.ms;
+        times.refused |= pass.refused;
+        times.wall += landed.wall_ms;
         self.history.advance(&self.camera);
         Ok(times)
+    }
+
+    /// The next `frames` frames of the sequence without waiting between them, each in one submission; the times of each.
+    /// See [`Prepared::repeat`].
+    pub fn repeat(&self, gpu: &Gpu, frames: u32, aloft: impl FnOnce()) -> Result<Vec<PassTimes>> {
+        fly(gpu, frames, aloft, |flight| {
+            let frame = self.history.frame.get();
+            let groups = self.reconstruct_groups(gpu, frame)?;
+            let mut spans = self.march.record_into(flight, frame);
+            spans.reconstruct = vec![self.record_reconstruct(flight, &groups)];
+            self.history.advance(&self.camera);
+            Ok(spans)
+        })
+    }
+
+    /// What the reconstruction of the next frame binds.
+    fn reconstruct_groups(&self, gpu: &Gpu, frame: usize) -> Result<Vec<wgpu::BindGroup>> {
+        let inputs = self.history.inputs(&self.camera);
+        self.kernel.bind(gpu, &[&inputs, &self.outputs[frame]])
+    }
+
+    fn record_reconstruct(&self, flight: &mut Flight, groups: &[wgpu::BindGroup]) -> Span {
+        let ImageSize { width, height } = self.history.image;
+        flight.dispatch(&self.kernel, groups, [width, height, 1], None)
     }
 
     /// The picture of the sequence's last frame.

@@ -3,10 +3,9 @@
 
 use super::Progress;
 use crate::error::{Error, Result};
-use crate::gpu::{Gpu, Inputs, Kernel, Resource, Timer};
+use crate::gpu::{Flight, Gpu, Inputs, Kernel, PassTime, Resource, Span};
 use std::cell::Cell;
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 /// How a pass is cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,12 +39,14 @@ impl Tiling {
         }
     }
 }
+
 /// Density samples a millisecond that the slowest adapter of interest takes: for tiles before the first was timed.
 pub(super) const SLOW_SAMPLES_A_MS: f64 = 5e4;
 
 /// Cuts a rectangle of threads into tiles: whole bands while a band fits the aim, else parts of the lowest band.
 pub(super) struct Tiles {
     tiling: Tiling,
+    /// Threads of a tile that takes about the aimed time, as far as is known.
     threads: Cell<f64>,
     uniform: wgpu::Buffer,
 }
@@ -61,7 +62,6 @@ struct Tile {
 pub(super) struct Pass<'a> {
     pub kernel: &'a Kernel,
     pub groups: &'a [wgpu::BindGroup],
-    pub timer: Option<&'a Timer>,
     /// Threads.
     pub size: [u32; 2],
     /// Turns of the shader's outer loop, and how many of them a dispatch takes.
@@ -81,94 +81,81 @@ impl Tiles {
         }
     }
 
-    /// Runs a pass from the top; its GPU time, ms. `progress` hears the finished share after every tile, and bands of
-    /// [`BAND_ROWS`](super::BAND_ROWS) rows are finished one after the other.
-    pub fn run(&self, gpu: &Gpu, pass: &Pass, progress: Progress) -> Result<Option<f64>> {
+    /// Runs a pass from the top, waiting for every tile; its GPU time. `progress` hears the finished share after every
+    /// tile, and bands of [`BAND_ROWS`](super::BAND_ROWS) rows are finished one after the other.
+    pub fn run(&self, gpu: &Gpu, pass: &Pass, progress: Progress) -> Result<PassTime> {
         let [width, height] = pass.size;
-        let [all_steps, steps] = pass.steps;
         let least = f64::from(width) * f64::from(height) / f64::from(self.tiling.most);
-        let mut total_ms = None;
+        let mut total = Vec::new();
         let mut at = Some([0, 0]);
         while let Some([x, y]) = at {
             let threads = self.threads.get().max(least);
             let tile = cut(pass.size, pass.kernel.workgroup, [x, y], threads);
-            let start = Instant::now();
-            let mut step = 0;
-            while step < all_steps {
-                let end = step.saturating_add(steps);
-                let ms = self.dispatch(gpu, pass, tile, [step, end])?;
-                total_ms = ms.map(|ms| ms + total_ms.unwrap_or(0.0));
-                step = end;
-            }
-            self.adapt(tile, start.elapsed().as_secs_f64() * 1e3);
-            let [columns, rows] = tile.size;
-            at = if x + columns < width {
-                Some([x + columns, y])
-            } else {
-                (y + rows < height).then_some([0, y + rows])
-            };
+            let mut flight = Flight::new(gpu);
+            let spans = self.record_tile(&mut flight, pass, tile);
+            let landed = flight.land(|| ())?;
+            total.push(landed.pass(&spans));
+            self.threads
+                .set(next_aim(self.tiling, threads, tile, landed.wall_ms));
+            at = next(pass.size, tile);
             let done = at.map_or(f64::from(height), |[x, y]| {
-                f64::from(y) + f64::from(x) / f64::from(width) * f64::from(rows)
+                f64::from(y) + f64::from(x) / f64::from(width) * f64::from(tile.size[1])
             });
             if progress(done / f64::from(height)) == ControlFlow::Break(()) {
                 return Err(Error::Stopped);
             }
         }
-        Ok(total_ms)
+        Ok(PassTime::sum(&total))
     }
 
-    /// Next tile's threads: at most doubling, toward the aim.
-    fn adapt(&self, tile: Tile, ms: f64) {
-        let threads = f64::from(tile.size[0]) * f64::from(tile.size[1]);
-        self.threads
-            .set(threads * (self.tiling.target_ms / ms.max(0.01)).min(2.0));
+    /// Records a pass without waiting, in one dispatch unless that would exceed the driver's patience, which a software
+    /// adapter does not lose. How long it takes is known from [`Tiles::run`].
+    pub fn record(&self, flight: &mut Flight, pass: &Pass) -> Vec<Span> {
+        let threads = match flight.is_software() {
+            true => f64::INFINITY,
+            false => self.threads.get(),
+        };
+        let mut spans = Vec::new();
+        let mut at = Some([0, 0]);
+        while let Some(origin) = at {
+            let tile = cut(pass.size, pass.kernel.workgroup, origin, threads);
+            spans.extend(self.record_tile(flight, pass, tile));
+            at = next(pass.size, tile);
+        }
+        spans
     }
 
-    fn dispatch(
-        &self,
-        gpu: &Gpu,
-        pass: &Pass,
-        tile: Tile,
-        [from, to]: [u32; 2],
-    ) -> Result<Option<f64>> {
+    fn record_tile(&self, flight: &mut Flight, pass: &Pass, tile: Tile) -> Vec<Span> {
         let ([x, y], [width, height]) = (tile.origin, tile.size);
-        let values = [x, y, width, height, from, to];
-        gpu.queue
-            .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
-        dispatch(
-            gpu,
-            pass.timer,
-            pass.kernel,
-            pass.groups,
-            [width, height, 1],
-        )
+        let [all_steps, steps] = pass.steps;
+        let mut spans = Vec::new();
+        let mut step = 0;
+        while step < all_steps {
+            let end = step.saturating_add(steps);
+            let values = [x, y, width, height, step, end];
+            let uniform = (&self.uniform, bytemuck::bytes_of(&values));
+            let threads = [width, height, 1];
+            spans.push(flight.dispatch(pass.kernel, pass.groups, threads, Some(uniform)));
+            step = end;
+        }
+        spans
     }
 }
 
-/// One dispatch over `threads`, waited for; its GPU time, ms, where there is a timer.
-pub(super) fn dispatch(
-    gpu: &Gpu,
-    timer: Option<&Timer>,
-    kernel: &Kernel,
-    groups: &[wgpu::BindGroup],
-    threads: [u32; 3],
-) -> Result<Option<f64>> {
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    {
-        let timestamp_writes = timer.map(Timer::writes);
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: None,
-            timestamp_writes,
-        });
-        kernel.dispatch(&mut pass, groups, threads);
-    }
-    if let Some(timer) = timer {
-        timer.resolve(&mut encoder);
-    }
-    gpu.queue.submit([encoder.finish()]);
-    match timer {
-        Some(timer) => timer.elapsed_ms(gpu).map(Some),
-        None => gpu.wait().map(|()| None),
+/// Threads of the tile after one that took `ms`: toward the aimed time, at most doubling. A tile that the rectangle's edge
+/// cut says how fast the device is, not how large a tile may be.
+fn next_aim(tiling: Tiling, threads: f64, tile: Tile, ms: f64) -> f64 {
+    let taken = f64::from(tile.size[0]) * f64::from(tile.size[1]);
+    let fitting = taken * tiling.target_ms / ms.max(0.01);
+    fitting.min(2.0 * threads.max(taken))
+}
+
+/// Where the tile after `tile` begins; `None` after the last.
+fn next([width, height]: [u32; 2], tile: Tile) -> Option<[u32; 2]> {
+    let ([x, y], [columns, rows]) = (tile.origin, tile.size);
+    match x + columns < width {
+        true => Some([x + columns, y]),
+        false => (y + rows < height).then_some([0, y + rows]),
     }
 }
 
@@ -198,15 +185,10 @@ mod tests {
     fn tiles(size: [u32; 2], threads: impl Fn(usize) -> f64) -> Vec<Tile> {
         let mut all = Vec::new();
         let mut at = Some([0, 0]);
-        while let Some([x, y]) = at {
-            let tile = cut(size, [8, 8, 1], [x, y], threads(all.len()));
+        while let Some(origin) = at {
+            let tile = cut(size, [8, 8, 1], origin, threads(all.len()));
             all.push(tile);
-            let [columns, rows] = tile.size;
-            at = if x + columns < size[0] {
-                Some([x + columns, y])
-            } else {
-                (y + rows < size[1]).then_some([0, y + rows])
-            };
+            at = next(size, tile);
         }
         all
     }
@@ -237,5 +219,34 @@ mod tests {
         assert_eq!(of(320.0 * 8.0), [320, 8]);
         assert_eq!(of(320.0 * 31.0), [320, 24]);
         assert_eq!(of(1e9), [320, 180]);
+    }
+
+    #[test]
+    fn a_fast_device_soon_takes_a_picture_in_one_tile_and_keeps_to_it() {
+        let size = [2560, 1440];
+        let all = f64::from(size[0] * size[1]);
+        let mut threads = f64::from(size[0] * 8);
+        let mut tiles_of_run = Vec::new();
+        for _ in 0..3 {
+            let mut tiles = 0;
+            let mut at = Some([0, 0]);
+            while let Some(origin) = at {
+                let tile = cut(size, [8, 8, 1], origin, threads);
+                let share = f64::from(tile.size[0] * tile.size[1]) / all;
+                threads = next_aim(Tiling::BATCH, threads, tile, 5.0 * share);
+                at = next(size, tile);
+                tiles += 1;
+            }
+            tiles_of_run.push(tiles);
+        }
+        assert_eq!(tiles_of_run[1..], [1, 1], "{tiles_of_run:?}");
+    }
+
+    #[test]
+    fn a_slow_device_is_given_tiles_of_the_aimed_time() {
+        let size = [2560, 1440];
+        let tile = cut(size, [8, 8, 1], [0, 0], 2560.0 * 400.0);
+        let aim = next_aim(Tiling::BATCH, 2560.0 * 400.0, tile, 1600.0);
+        assert_eq!(aim, 2560.0 * 100.0);
     }
 }

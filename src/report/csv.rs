@@ -111,6 +111,7 @@ fn measurements() -> Vec<String> {
             total: stats,
             wall: stats,
         },
+        frames_in_flight: 1,
         rounds_total_ms: Vec::new(),
         rounds_generate_ms: Vec::new(),
         block: 0,

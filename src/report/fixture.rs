@@ -1,10 +1,11 @@
 //! A made-up report for the tests: two scenes, two suns, six methods, a failed cell, a cell without times, a picture
 //! that is not there, and names that try to break out of the page.
 
+use crate::batch::clock::ClockRecord;
 use crate::batch::record::{
     Cell, Decomposition, Measured, Reference, Report, SCHEMA, Times, WallClock,
 };
-use crate::gpu::Environment;
+use crate::gpu::{Clocks, Environment, Extent};
 use crate::metrics::{ErrorNumbers, Stats};
 use crate::raymarch::{Memory, Samples};
 use crate::scene::ImageSize;
@@ -119,6 +120,7 @@ pub fn report() -> Report {
         experiment: json!({"name": "Six ways to shadow a cloud", "repeats": 9}),
         cells,
         references: references(),
+        clock: clock(),
         claims: Vec::new(),
         wall: WallClock {
             total_s: 412.7,
@@ -126,6 +128,35 @@ pub fn report() -> Report {
             compile_s: 18.4,
         },
     }
+}
+
+/// One block a view; the clock of the last had not settled.
+fn clock() -> Vec<ClockRecord> {
+    let views = SCENES.len() * SUNS.len();
+    let record = |view: usize| ClockRecord {
+        reference: format!("truth-{}-{}", view / SUNS.len(), SUNS[view % SUNS.len()]),
+        block: view * settings().len(),
+        settled: view + 1 < views,
+        warm_up_s: 0.62,
+        settled_ms: 4.0,
+        rounds_ms: vec![4.0, 4.02, 3.99, 4.0 + 0.1 * view as f64],
+        clocks: (view == 0).then(|| Clocks {
+            readings: 36,
+            sm_mhz: Some(Extent {
+                min: 1935.0,
+                median: 1980.0,
+                max: 1980.0,
+            }),
+            memory_mhz: Some(Extent {
+                min: 2619.0,
+                median: 2619.0,
+                max: 2619.0,
+            }),
+            power_w: None,
+            throttle_reasons: ["sw_power_cap".to_owned()].into(),
+        }),
+    };
+    (0..views).map(record).collect()
 }
 
 fn references() -> Vec<Reference> {
@@ -201,7 +232,8 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
                 total: Some(time(generate + march)),
                 wall: Some(time(generate + march + 1.7)),
             },
-            rounds_total_ms: vec![generate + march; 3],
+            frames_in_flight: 1,
+            rounds_total_ms: vec![Some(generate + march); 3],
             rounds_generate_ms: Vec::new(),
             block: 0,
             samples: Samples {

@@ -24,7 +24,7 @@ fn pair() -> Report {
     numbers.time_ms.march = Some(time(60.0));
     numbers.time_ms.reconstruct = Some(time(20.0));
     numbers.time_ms.total = Some(time(80.0));
-    numbers.rounds_total_ms = vec![50.0, 40.0, 40.0];
+    numbers.rounds_total_ms = [50.0, 40.0, 40.0].map(Some).into();
     let curve = |step_deg, step_m| Ghosting {
         step_deg,
         step_m,
@@ -39,7 +39,7 @@ fn pair() -> Report {
         history_bytes: HISTORY_BYTES,
     });
     let full = report.cells[0].result.as_mut().expect("numbers");
-    full.rounds_total_ms = vec![100.0, 200.0, 400.0];
+    full.rounds_total_ms = [100.0, 200.0, 400.0].map(Some).into();
     report.cells.push(twin);
     report
 }

@@ -41,8 +41,8 @@ impl Made {
         cell.params = params.as_object().cloned().unwrap_or_default();
         if let Some(result) = &mut cell.result {
             let halves: Vec<f64> = rounds.iter().map(|t| 0.5 * t).collect();
-            result.rounds_total_ms = rounds.to_vec();
-            result.rounds_generate_ms = halves.clone();
+            result.rounds_total_ms = rounds.iter().copied().map(Some).collect();
+            result.rounds_generate_ms = halves.iter().copied().map(Some).collect();
             result.time_ms.total = summarise(rounds);
             result.time_ms.generate = summarise(&halves);
         }

@@ -266,10 +266,11 @@ pub fn metric(found: &Found<'_>, name: &str) -> Result<Repeated, String> {
     exact.ok_or_else(missing)
 }
 
-/// A time by its rounds; by its statistics where the rounds are not recorded, as with the wall clock.
+/// A time by its rounds; by its statistics where the rounds are not recorded, as with the wall clock. Where a round has no
+/// time the others cannot be paired with those of another cell.
 fn spread(
     found: &Found<'_>,
-    rounds: &[f64],
+    rounds: &[Option<f64>],
     stats: Option<Stats>,
     name: &str,
 ) -> Result<Repeated, String> {
@@ -288,7 +289,11 @@ fn spread(
         reference: found.numbers.reference.clone(),
         first: found.numbers.block,
     };
-    Repeated::of_rounds(block, rounds.to_vec())
+    let times: Vec<f64> = rounds.iter().copied().flatten().collect();
+    match times.len() == rounds.len() {
+        true => Repeated::of_rounds(block, times),
+        false => Ok(Interval::of_repeats(&times)?.into()),
+    }
 }
 
 /// Ratio of a number of two cells; times of the same rounds are divided round by round.
@@ -319,6 +324,26 @@ mod tests {
         assert_eq!(metric(&found, "darken").unwrap().interval.value, 0.25);
         let error = metric(&found, "beauty").unwrap_err();
         assert!(error.contains("no number is named"), "{error}");
+    }
+
+    #[test]
+    fn rounds_of_which_one_has_no_time_are_not_paired() {
+        let mut made = Made::new(&["a", "b"]);
+        made.cell("a", json!({}), &[1.0, 2.0, 3.0]);
+        made.cell("b", json!({}), &[2.0, 4.0, 6.0]);
+        let range = |made: &Made| {
+            let records = made.records();
+            let found = ["b", "a"]
+                .map(|method| records.find(&super::super::fixture::pick(method, json!({}))));
+            let [b, a] = found.map(Result::unwrap);
+            ratio(&b, &a, "total_ms").unwrap().interval
+        };
+        assert_eq!((range(&made).low, range(&made).high), (2.0, 2.0));
+        for cell in &mut made.reports[0].1.cells {
+            let result = cell.result.as_mut().unwrap();
+            result.rounds_total_ms[1] = None;
+        }
+        assert_eq!((range(&made).low, range(&made).high), (2.0 / 3.0, 6.0));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 pub(crate) mod album;
 mod choose;
+mod clock;
 mod errors;
 pub(crate) mod figures;
 mod frontier;
@@ -42,6 +43,7 @@ pub fn html(folder: &Path, view: &View<'_>, charts: &[Chart], sheets: &[Sheet]) 
                     (temporal::section(view))
                     (figures::section(view, charts))
                     (table::section(view, &album))
+                    (clock::section(view))
                     (tail::claims(view))
                     (tail::references(view))
                     (tail::environment(view))
@@ -107,9 +109,15 @@ fn headline(view: &View<'_>, name: &str) -> Markup {
                 @for (anchor, text) in [
                     ("which", "Which method?"), ("pictures", "Pictures"), ("errors", "Three errors"), ("temporal", "Temporal integration"),
                     ("charts", "Charts"),
-                    ("cells", "All cells"), ("references", "Truths"), ("environment", "Environment"), ("definitions", "Definitions"),
+                    ("cells", "All cells"), ("clock", "Clock"), ("references", "Truths"), ("environment", "Environment"), ("definitions", "Definitions"),
                 ] {
-                    @if (anchor != "errors" || decomposed) && (anchor != "temporal" || temporal) { a href={ "#" (anchor) } { (text) } }
+                    @let there = match anchor {
+                        "errors" => decomposed,
+                        "temporal" => temporal,
+                        "clock" => !view.report.clock.is_empty(),
+                        _ => true,
+                    };
+                    @if there { a href={ "#" (anchor) } { (text) } }
                 }
             }
         }

@@ -3,6 +3,7 @@
 use super::super::format::{bytes, count, number, percent, signed_percent};
 use super::super::view::{Case, Shot, View, all_params, distinct, pairs};
 use super::album::Album;
+use super::clock;
 use super::parts::{self, cell, heading};
 use maud::{Markup, html};
 
@@ -70,6 +71,7 @@ pub fn section(view: &View<'_>, album: &Album) -> Markup {
     let caption = html! {
         "Every cell that has numbers. A heading sorts by its column. The same table for programs: "
         a href="./cells.csv" { "cells.csv" } ", " a href="./report.json" { "report.json" } "."
+        (clock::sentence(view))
     };
     html! {
         section #cells {

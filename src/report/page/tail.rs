@@ -166,7 +166,7 @@ pub fn wall(view: &View<'_>) -> Markup {
         (
             "Passes",
             seconds(w.passes_s),
-            "on the device: timed and discarded runs, truths, counting, floor, flicker, view steps",
+            "on the device: timed and discarded runs, warming up, truths, counting, floor, flicker, view steps",
         ),
         ("Compilation", seconds(w.compile_s), "shaders and pipelines"),
         (
@@ -259,7 +259,7 @@ const DEFINITIONS: [(&str, &str); 23] = [
     ),
     (
         "total, map pass, march",
-        "median device time of one picture and of its passes over the repeats, in ms; n/a without timestamps",
+        "median device time of one picture and of its passes over the rounds, in ms; a round's time is the median of frames that were in the queue together; n/a without timestamps, and where these are no times",
     ),
     (
         "min, p95, CV, n",
@@ -267,7 +267,7 @@ const DEFINITIONS: [(&str, &str); 23] = [
     ),
     (
         "wall",
-        "submission to completion seen from the CPU, median, in ms; it stands for the total where no cell has one",
+        "submission to completion of the frames of a round seen from the CPU, divided by their number, median, in ms; it stands for the total where no cell has one",
     ),
     (
         "map",

@@ -63,7 +63,8 @@ fn full<'a>(case: &Case<'a>, shot: &Shot<'_>) -> Option<Shot<'a>> {
 /// rounds are not recorded or not the same.
 fn ratio(frame: &Shot<'_>, full: &Shot<'_>) -> Option<f64> {
     let rounds = [frame, full].map(|shot| &shot.numbers.rounds_total_ms);
-    let ratios = rounds[0].iter().zip(rounds[1]).map(|(a, b)| a / b);
+    let pairs = rounds[0].iter().zip(rounds[1]);
+    let ratios = pairs.filter_map(|(a, b)| Some((*a)? / (*b)?));
     let ratios: Vec<f64> = ratios.filter(|r| r.is_finite()).collect();
     match summarise(&ratios) {
         Some(stats) if rounds[0].len() == rounds[1].len() => Some(stats.median),
@@ -96,9 +97,11 @@ fn costs(view: &View<'_>, case: &Case<'_>, cells: &[(Shot<'_>, &Reconstruction)]
             }
         }
     };
-    let caption = "Median times of a full picture, of one frame (a quarter of the pixels marched) and of its passes, camera \
-        at rest; the ratio is the median of those inside rounds. Relative RMSE against the full render; bytes of the two \
-        pictures that are remembered.";
+    let caption = html! {
+        "Median times of a full picture, of one frame (a quarter of the pixels marched) and of its passes, camera at rest; "
+        "the ratio is the median of those inside rounds. Relative RMSE against the full render; bytes of the two pictures "
+        "that are remembered." (super::clock::sentence(view))
+    };
     parts::table(view, caption, "small", head, body)
 }
 

@@ -12,7 +12,7 @@ use super::{EXPERIMENTS, Outcome};
 use crate::config::Study;
 use crate::error::Result;
 use crate::report::files;
-use crate::report::format::{number, shorten};
+use crate::report::format::{number, shorten, signed_percent};
 use crate::report::page::figures::fluid;
 use crate::report::page::parts::plural;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -190,11 +190,15 @@ fn experiments(study: &Study, records: &Records<'_>) -> Markup {
     html! {
         section #experiments {
             h2 { "Experiments" }
-            p { "Each has a report of its own, with every cell, picture and number." }
+            p {
+                "Each has a report of its own, with every cell, picture and number. Clock drift: change of the time of a fixed piece "
+                "of arithmetic, between the rounds, against its time before them."
+            }
             div.scroll tabindex="0" { table {
                 thead { tr {
                     th scope="col" { "Experiment" } th scope="col" { "What it measures" }
                     th.n scope="col" { "Cells" } th.n scope="col" { "Failed" } th.n scope="col" { "Runs" } th.n scope="col" { "Wall" }
+                    th.n scope="col" { "Clock drift" }
                 } }
                 tbody { @for (entry, (id, report)) in study.experiments.iter().zip(records.reports) {
                     tr {
@@ -204,6 +208,10 @@ fn experiments(study: &Study, records: &Records<'_>) -> Markup {
                         td.n { (report.cells.iter().filter(|c| c.result.is_none()).count()) }
                         td.n { (entry.experiment.runs) }
                         td.n { (number(report.wall.total_s)) " s" }
+                        td.n { @match report.clock_drift() {
+                            Some([least, most]) => { (signed_percent(least)) " to " (signed_percent(most)) },
+                            None => "n/a",
+                        } }
                     }
                 } }
             } }

@@ -1,0 +1,183 @@
+//! Rounds of a block: every cell in turn, many frames in flight, one wait a cell and round.
+//!
+//! A device that waits between frames lowers its clock, and a frame of a millisecond then measures the clock. So before the
+//! first timed round a probe runs until its time no longer changes, and in a round each cell has [`IN_FLIGHT_MS`] of frames
+//! in the queue before anybody waits. The round's time of a pass is the median over these frames.
+
+use crate::backend::Prepared;
+use crate::error::Result;
+use crate::gpu::IN_FLIGHT_MS;
+use crate::metrics::summarise;
+use crate::raymarch::PassTimes;
+
+/// Most frames in flight: each holds a submission, and shorter frames than 0.1 ms are bound by submitting them.
+const MOST_FRAMES: u32 = 2000;
+/// Share of the aimed work that a flight may fall short of before it is flown again with more frames.
+const SHORT_BY: f64 = 0.25;
+/// Flights until the number of frames fits.
+const MOST_FLIGHTS: usize = 4;
+
+/// What is timed: a prepared cell, or something of known duration in a test.
+pub(super) trait Timed {
+    /// Renders `frames` pictures without waiting between them; `aloft` is called meanwhile.
+    fn repeat(&self, frames: u32, aloft: &mut dyn FnMut()) -> Result<Vec<PassTimes>>;
+}
+
+impl Timed for Prepared<'_> {
+    fn repeat(&self, frames: u32, aloft: &mut dyn FnMut()) -> Result<Vec<PassTimes>> {
+        Prepared::repeat(self, frames, aloft)
+    }
+}
+
+/// One cell in one round.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Round {
+    /// Median of each pass over the frames that have a time.
+    pub times: PassTimes,
+    /// Frames in flight.
+    pub frames: u32,
+    /// Of these, such as have timestamps that are no times.
+    pub refused: u32,
+    /// Seconds of all frames, those of flights that were too short included.
+    pub seconds: f64,
+}
+
+/// Flies as many frames as fill the queue. `frame_ms` is how long one takes, as far as is known; then as it was.
+pub(super) fn fly(cell: &impl Timed, frame_ms: &mut f64, aloft: &mut dyn FnMut()) -> Result<Round> {
+    let mut seconds = 0.0;
+    let mut flights = 0;
+    loop {
+        let frames = (IN_FLIGHT_MS / *frame_ms).ceil();
+        let frames = frames.clamp(1.0, f64::from(MOST_FRAMES)) as u32;
+        let runs = cell.repeat(frames, aloft)?;
+        flights += 1;
+        seconds += runs.iter().map(|run| run.wall * 1e-3).sum::<f64>();
+        let work_ms: f64 = runs.iter().map(cost_ms).sum();
+        *frame_ms = work_ms / f64::from(frames);
+        let enough = work_ms >= IN_FLIGHT_MS * (1.0 - SHORT_BY) || frames == MOST_FRAMES;
+        if enough || flights == MOST_FLIGHTS {
+            return Ok(Round {
+                times: medians(&runs),
+                frames,
+                refused: runs.iter().filter(|run| run.refused).count() as u32,
+                seconds,
+            });
+        }
+    }
+}
+
+/// Device time of a frame, ms; its share of the wall time where there is none.
+pub(super) fn cost_ms(run: &PassTimes) -> f64 {
+    run.total().unwrap_or(run.wall).max(1e-6)
+}
+
+/// Median of each pass; a pass has none where no frame has.
+fn medians(runs: &[PassTimes]) -> PassTimes {
+    // A frame with a bad timestamp in one pass counts in none: its passes belong together.
+    let good: Vec<&PassTimes> = runs.iter().filter(|run| !run.refused).collect();
+    let median = |of: fn(&PassTimes) -> Option<f64>| {
+        let times: Vec<f64> = good.iter().filter_map(|run| of(run)).collect();
+        summarise(&times).map(|stats| stats.median)
+    };
+    PassTimes {
+        generate: median(|run| run.generate),
+        march: median(|run| run.march),
+        reconstruct: median(|run| run.reconstruct),
+        wall: runs.iter().map(|run| run.wall).sum::<f64>() / runs.len().max(1) as f64,
+        refused: good.is_empty(),
+    }
+}
+
+/// What to say of timestamps that are no times.
+pub(super) fn note(rounds: &[Round]) -> Option<String> {
+    let refused: u32 = rounds.iter().map(|round| round.refused).sum();
+    let frames: u32 = rounds.iter().map(|round| round.frames).sum();
+    (refused > 0).then(|| {
+        format!(
+            "time: {refused} of {frames} frames have timestamps that are 0, reversed or longer than the frames took as seen \
+             from the CPU; they count in no time"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    /// A cell whose frames take a known time; `bad` of them, counted over all flights, have no timestamps.
+    struct Known {
+        frame_ms: f64,
+        bad: fn(u32) -> bool,
+        flights: RefCell<Vec<u32>>,
+    }
+
+    impl Known {
+        fn new(frame_ms: f64, bad: fn(u32) -> bool) -> Self {
+            Self {
+                frame_ms,
+                bad,
+                flights: RefCell::default(),
+            }
+        }
+    }
+
+    impl Timed for Known {
+        fn repeat(&self, frames: u32, aloft: &mut dyn FnMut()) -> Result<Vec<PassTimes>> {
+            aloft();
+            self.flights.borrow_mut().push(frames);
+            let frame = |i| {
+                let refused = (self.bad)(i);
+                PassTimes {
+                    generate: (!refused).then_some(self.frame_ms * 0.25),
+                    march: Some(self.frame_ms * 0.75),
+                    wall: self.frame_ms * 1.1,
+                    refused,
+                    ..PassTimes::default()
+                }
+            };
+            Ok((0..frames).map(frame).collect())
+        }
+    }
+
+    #[test]
+    fn the_queue_is_full_whatever_was_thought_of_the_frame() {
+        for (frame_ms, thought_ms) in [(1.0, 8.0), (0.3, 50.0), (40.0, 1.0), (900.0, 900.0)] {
+            let cell = Known::new(frame_ms, |_| false);
+            let mut known_ms = thought_ms;
+            let round = fly(&cell, &mut known_ms, &mut || ()).expect("round");
+            let work_ms = f64::from(round.frames) * frame_ms;
+            assert!(work_ms >= 0.75 * IN_FLIGHT_MS, "{frame_ms}: {work_ms}");
+            assert!((known_ms / frame_ms - 1.0).abs() < 1e-9);
+            assert!((round.times.total().expect("time") / frame_ms - 1.0).abs() < 1e-9);
+            let flown: u32 = cell.flights.borrow().iter().sum();
+            assert!((round.seconds - f64::from(flown) * frame_ms * 1.1e-3).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_frame_as_long_as_the_aim_flies_once_and_alone() {
+        let cell = Known::new(300.0, |_| false);
+        fly(&cell, &mut 300.0, &mut || ()).expect("round");
+        assert_eq!(*cell.flights.borrow(), [1]);
+    }
+
+    #[test]
+    fn frames_without_a_time_count_in_none_and_are_noted() {
+        let some = Known::new(10.0, |i| i % 4 == 0);
+        let round = fly(&some, &mut 10.0, &mut || ()).expect("round");
+        assert_eq!((round.frames, round.refused), (20, 5));
+        assert_eq!(
+            (round.times.total(), round.times.refused),
+            (Some(10.0), false)
+        );
+        let text = note(&[round]).expect("note");
+        assert!(text.contains("5 of 20 frames"), "{text}");
+
+        let all = Known::new(10.0, |_| true);
+        let round = fly(&all, &mut 10.0, &mut || ()).expect("round");
+        assert_eq!(round.times.total(), None);
+        assert_eq!((round.times.march, round.times.generate), (None, None));
+        assert_eq!(note(&[Round::default()]), None);
+    }
+}

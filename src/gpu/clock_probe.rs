@@ -1,0 +1,175 @@
+//! A fixed piece of work whose time tells how fast the device runs at the moment: `shaders/clock_probe.wgsl`.
+
+use super::context::Gpu;
+use super::kernel::{Inputs, Kernel, Resource};
+use super::shader::Program;
+use super::timing::Flight;
+use super::uniform::UniformValue;
+use crate::error::Result;
+use std::time::Instant;
+
+/// Threads of a row of the probe; rows are added until it takes [`PROBE_MS`].
+const ROW_THREADS: u32 = 1 << 17;
+const MOST_ROWS: u32 = 1 << 15;
+/// Least duration of a probe, ms: long beside what a dispatch costs to start, short beside a round.
+const PROBE_MS: f64 = 2.0;
+/// Work in flight while the clock settles, ms: a device that sees less in its queue may take a rest.
+pub const IN_FLIGHT_MS: f64 = 200.0;
+/// Probes in flight for one reading between rounds.
+const READING_PROBES: u32 = 8;
+/// Medians of as many flights that must agree.
+const SETTLED_FLIGHTS: usize = 3;
+/// Relative difference of medians that is no drift, also where a flight's own repeats agree better.
+const SETTLED_WITHIN: f64 = 0.02;
+/// Longest wait for the clock, s: a laptop that cools its GPU for minutes must not hold a batch.
+const MOST_WARM_UP_S: f64 = 3.0;
+
+/// The probe of one device.
+pub struct ClockProbe {
+    kernel: Kernel,
+    groups: Vec<wgpu::BindGroup>,
+    rows: u32,
+}
+
+/// What it took until the clock had settled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WarmUp {
+    /// Median time of the probe in the last flight, ms.
+    pub probe_ms: f64,
+    /// Medians of the last flights agreed; else the wait was given up.
+    pub settled: bool,
+    /// How long it took, s.
+    pub seconds: f64,
+}
+
+impl ClockProbe {
+    /// Compiles the probe and chooses how much work it is on this device.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        let kernel = Kernel::new(
+            gpu,
+            &Program {
+                entry: "clock_probe.wgsl",
+                roles: Vec::new(),
+                defs: Default::default(),
+            },
+        )?;
+        let mut inputs = Inputs::default();
+        let work = [("a", 0.75), ("b", 0.5)].map(|(name, v)| (name, UniformValue::F32(v)));
+        inputs.uniform("work", work);
+        let never = gpu.empty_buffer("clock probe", 16, wgpu::BufferUsages::STORAGE);
+        inputs.resource("never", Resource::Buffer(never));
+        let groups = kernel.bind(gpu, &[&inputs])?;
+        let mut probe = Self {
+            kernel,
+            groups,
+            rows: 1,
+        };
+        // The first run pays for what the driver puts off until then.
+        probe.fly(gpu, 1)?;
+        while probe.rows < MOST_ROWS && median(&probe.fly(gpu, 1)?) < PROBE_MS {
+            probe.rows *= 2;
+        }
+        Ok(probe)
+    }
+
+    /// Times of `count` probes in flight together, ms; without timestamps, or where they are no times, the wall time
+    /// shared equally.
+    fn fly(&self, gpu: &Gpu, count: u32) -> Result<Vec<f64>> {
+        let mut flight = Flight::new(gpu);
+        let mut spans = Vec::new();
+        for _ in 0..count {
+            let threads = [ROW_THREADS, self.rows, 1];
+            spans.push(flight.dispatch(&self.kernel, &self.groups, threads, None));
+            flight.submit();
+        }
+        let landed = flight.land(|| ())?;
+        let share_ms = landed.wall_ms / f64::from(count);
+        let time = |span| landed.pass(&[span]).ms.unwrap_or(share_ms);
+        Ok(spans.into_iter().map(time).collect())
+    }
+
+    /// Keeps the device busy until the probe's time no longer changes.
+    pub fn settle(&self, gpu: &Gpu) -> Result<WarmUp> {
+        let start = Instant::now();
+        let mut flights = Vec::new();
+        let mut probe_ms = PROBE_MS;
+        loop {
+            let count = (IN_FLIGHT_MS / probe_ms).ceil().clamp(1.0, 1000.0) as u32;
+            let times = self.fly(gpu, count)?;
+            probe_ms = median(&times);
+            flights.push(times);
+            let seconds = start.elapsed().as_secs_f64();
+            let settled = is_settled(&flights);
+            if settled || seconds > MOST_WARM_UP_S {
+                return Ok(WarmUp {
+                    probe_ms,
+                    settled,
+                    seconds,
+                });
+            }
+        }
+    }
+
+    /// The probe's time now: median of a few, ms.
+    pub fn read_ms(&self, gpu: &Gpu) -> Result<f64> {
+        self.fly(gpu, READING_PROBES).map(|times| median(&times))
+    }
+}
+
+/// Do the medians of the last flights agree, as far as repeats within a flight do?
+fn is_settled(flights: &[Vec<f64>]) -> bool {
+    let Some(last) = flights.len().checked_sub(SETTLED_FLIGHTS) else {
+        return false;
+    };
+    let last = &flights[last..];
+    let medians: Vec<f64> = last.iter().map(|times| median(times)).collect();
+    let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
+    let spreads: Vec<f64> = last.iter().map(|times| middle_half(times)).collect();
+    most(&medians) - least(&medians) <= (SETTLED_WITHIN * least(&medians)).max(least(&spreads))
+}
+
+/// Width of the middle half of a sample.
+fn middle_half(times: &[f64]) -> f64 {
+    let sorted = sorted(times);
+    sorted[sorted.len() * 3 / 4] - sorted[sorted.len() / 4]
+}
+
+/// A flight has at least one time.
+fn median(times: &[f64]) -> f64 {
+    sorted(times)[times.len() / 2]
+}
+
+fn sorted(times: &[f64]) -> Vec<f64> {
+    let mut sorted = times.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Flights whose repeats alternate by ± 1 ‰ around a median.
+    fn flights(medians: &[f64]) -> Vec<Vec<f64>> {
+        let flight = |m: &f64| vec![m * 0.999, *m, m * 1.001];
+        medians.iter().map(flight).collect()
+    }
+
+    #[test]
+    fn a_clock_that_still_rises_has_not_settled() {
+        assert!(!is_settled(&flights(&[5.0])));
+        assert!(!is_settled(&flights(&[5.0, 5.0])));
+        assert!(!is_settled(&flights(&[9.0, 7.0, 6.0, 5.5])));
+        assert!(is_settled(&flights(&[9.0, 5.03, 5.0, 5.01])));
+    }
+
+    #[test]
+    fn a_noisy_adapter_settles_within_its_own_noise() {
+        let noisy = |m: f64| vec![m * 0.9, m * 0.95, m, m * 1.05, m * 1.1];
+        let steady: Vec<_> = [5.0, 5.2, 5.1].map(noisy).into();
+        assert!(is_settled(&steady));
+        let rising: Vec<_> = [8.0, 7.0, 6.0].map(noisy).into();
+        assert!(!is_settled(&rising));
+    }
+}

@@ -1,0 +1,131 @@
+//! How steady the adapter was while it was measured: without that, a time is a number of unknown worth.
+
+use super::super::format::{number, signed_percent};
+use super::super::view::{View, distinct};
+use super::parts::{self, cell, heading};
+use crate::batch::clock::ClockRecord;
+use crate::batch::record::{Measured, Reference};
+use crate::gpu::{Clocks, Extent};
+use crate::metrics::{Thirds, summarise, thirds};
+use maud::{Markup, html};
+
+/// The columns of what an NVIDIA device says of itself.
+const DEVICE_COLUMNS: [(&str, &str); 4] = [
+    ("SM clock", "MHz"),
+    ("Memory clock", "MHz"),
+    ("Power", "W"),
+    ("Throttled by", ""),
+];
+
+/// Drift of the clock probe over all blocks in one sentence, for the captions of tables of times; empty where nothing was
+/// watched.
+pub fn sentence(view: &View<'_>) -> Markup {
+    let unsettled = view.report.clock.iter().filter(|r| !r.settled).count();
+    html! {
+        @if let Some([least, most]) = view.report.clock_drift() {
+            " While times were taken, the " a href="#clock" { "clock probe" } " changed by "
+            (signed_percent(least)) " to " (signed_percent(most))
+            @if unsettled > 0 { "; it had not settled before " (parts::plural(unsettled, "block")) }
+            "."
+        }
+    }
+}
+
+/// The section; nothing where nothing was watched.
+pub fn section(view: &View<'_>) -> Markup {
+    let records = &view.report.clock;
+    if records.is_empty() {
+        return html! {};
+    }
+    let device = records.iter().any(|record| record.clocks.is_some());
+    let columns = [
+        ("Scene", ""),
+        ("Sun", "°"),
+        ("Image", "px"),
+        ("Cells", ""),
+        ("Frames in flight", ""),
+        ("Warm-up", "s"),
+        ("Settled", ""),
+        ("Probe", "ms"),
+        ("Least drift", "%"),
+        ("Most drift", "%"),
+        ("Last ÷ first third", "%"),
+        ("Thirds overlap", "cells"),
+    ];
+    let columns = columns
+        .into_iter()
+        .chain(DEVICE_COLUMNS.into_iter().filter(|_| device));
+    let texts = ["Scene", "Settled", "Thirds overlap", "Throttled by"];
+    let head =
+        html! { @for (name, unit) in columns { (heading(name, unit, !texts.contains(&name))) } };
+    let body = html! { @for record in records { (row(view, record, device)) } };
+    let caption = "One row a block: cells that were timed in the same rounds. The probe is a fixed piece of arithmetic; its drift \
+        is the change of its time before, between and after the rounds against the time at which it had settled. Last ÷ first \
+        third: median change of the cells' times from the first third of the rounds to the last; thirds overlap where the \
+        ranges of both have a time in common.";
+    html! {
+        section #clock {
+            h2 { "Clock" }
+            (parts::table(view, caption, "sortable", head, body))
+        }
+    }
+}
+
+fn row(view: &View<'_>, record: &ClockRecord, device: bool) -> Markup {
+    let measured: Vec<&Measured> = (view.report.cells.iter())
+        .filter_map(|cell| cell.result.as_ref())
+        .filter(|m| m.reference == record.reference && m.block == record.block)
+        .collect();
+    let reference: Option<&Reference> =
+        (view.report.references.iter()).find(|r| r.id == record.reference);
+    let frames = distinct(measured.iter().map(|m| m.frames_in_flight));
+    let few = frames.iter().min().copied().unwrap_or_default();
+    let many = frames.iter().max().copied().unwrap_or_default();
+    let drift = record.drift();
+    let thirds: Vec<Thirds> = measured.iter().filter_map(|m| rounds_thirds(m)).collect();
+    let changes: Vec<f64> = thirds.iter().map(|t| t.change).collect();
+    let overlapping = thirds.iter().filter(|t| t.overlap).count();
+    html! {
+        tr {
+            td { (reference.map_or("?", |r| r.scene.as_str())) }
+            (cell(reference.map(|r| r.sun_elevation_deg), |sun| sun.to_string()))
+            td.n { @if let Some(r) = reference { (r.image.width) "×" (r.image.height) } }
+            td.n data-v=(measured.len()) { (measured.len()) }
+            td.n data-v=(few) { (few) @if many != few { "–" (many) } }
+            (cell(Some(record.warm_up_s), number))
+            td { @if record.settled { "yes" } @else { strong { "no" } } }
+            (cell(Some(record.settled_ms), number))
+            (cell(drift.map(|[least, _]| least), signed_percent))
+            (cell(drift.map(|[_, most]| most), signed_percent))
+            (cell(summarise(&changes).map(|stats| stats.median), signed_percent))
+            td { @if thirds.is_empty() { "n/a" } @else { (overlapping) " of " (thirds.len()) } }
+            @if device { (device_cells(record.clocks.as_ref())) }
+        }
+    }
+}
+
+fn device_cells(clocks: Option<&Clocks>) -> Markup {
+    let extents = |of: fn(&Clocks) -> Option<Extent>| clocks.and_then(of);
+    let reasons = clocks.map(|clocks| {
+        let names = clocks.throttle_reasons.iter().map(|r| r.replace('_', " "));
+        names.collect::<Vec<_>>().join(", ")
+    });
+    html! {
+        @for extent in [extents(|c| c.sm_mhz), extents(|c| c.memory_mhz), extents(|c| c.power_w)] {
+            @match extent {
+                Some(e) => td.n data-v=(e.median) {
+                    (number(e.median))
+                    @if e.min < e.max { " (" (number(e.min)) "–" (number(e.max)) ")" }
+                },
+                None => td.n.na { "n/a" },
+            }
+        }
+        td { @match reasons.as_deref() { None => "n/a", Some("") => "nothing", Some(names) => (names) } }
+    }
+}
+
+/// Of the rounds' times; `None` where they are too few or some round has none.
+fn rounds_thirds(measured: &Measured) -> Option<Thirds> {
+    let times: Option<Vec<f64>> = measured.rounds_total_ms.iter().copied().collect();
+    thirds(&times?)
+}
