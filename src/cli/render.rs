@@ -69,7 +69,7 @@ impl Render {
                 format!("generate {}, ", ms(times.generate))
             });
             eprintln!(
-                "{}: {generate}march {}, wall {:.1} ms",
+                "{}: {generate}march {}, wall {:.1} ms (one picture, alone in the queue; `occlab batch` measures times)",
                 backend.environment().adapter,
                 ms(times.march),
                 times.wall

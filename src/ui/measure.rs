@@ -64,7 +64,8 @@ fn times(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
             .map(|c| c.map(|(_, m)| bytes(of(&m))))
             .collect()
     };
-    let pass = "GPU timestamps of the last exact picture; n/a where there is no map, or the adapter has no timestamps.";
+    let pass = "GPU timestamps of the last exact picture, which was alone in the queue: a device that rests between pictures \
+        may run at a lower clock than in a batch. n/a where there is no map, or the adapter has no timestamps.";
     let rows = [
         ("generate", pass, time(&|t| t.generate)),
         ("march", pass, time(&|t| t.march)),

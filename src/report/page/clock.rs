@@ -47,9 +47,8 @@ pub fn section(view: &View<'_>) -> Markup {
         ("Warm-up", "s"),
         ("Settled", ""),
         ("Probe", "ms"),
-        ("Least drift", "%"),
-        ("Most drift", "%"),
-        ("Last ÷ first third", "%"),
+        ("Drift", "%"),
+        ("First to last third", "%"),
         ("Thirds overlap", "cells"),
     ];
     let columns = columns
@@ -60,7 +59,7 @@ pub fn section(view: &View<'_>) -> Markup {
         html! { @for (name, unit) in columns { (heading(name, unit, !texts.contains(&name))) } };
     let body = html! { @for record in records { (row(view, record, device)) } };
     let caption = "One row a block: cells that were timed in the same rounds. The probe is a fixed piece of arithmetic; its drift \
-        is the change of its time before, between and after the rounds against the time at which it had settled. Last ÷ first \
+        is the change of its time before, between and after the rounds against the time at which it had settled. First to last \
         third: median change of the cells' times from the first third of the rounds to the last; thirds overlap where the \
         ranges of both have a time in common.";
     html! {
@@ -95,13 +94,18 @@ fn row(view: &View<'_>, record: &ClockRecord, device: bool) -> Markup {
             (cell(Some(record.warm_up_s), number))
             td { @if record.settled { "yes" } @else { strong { "no" } } }
             (cell(Some(record.settled_ms), number))
-            (cell(drift.map(|[least, _]| least), signed_percent))
-            (cell(drift.map(|[_, most]| most), signed_percent))
+            (cell(drift.map(|[least, most]| most.max(-least)), |_| drift_text(drift)))
             (cell(summarise(&changes).map(|stats| stats.median), signed_percent))
             td { @if thirds.is_empty() { "n/a" } @else { (overlapping) " of " (thirds.len()) } }
             @if device { (device_cells(record.clocks.as_ref())) }
         }
     }
+}
+
+fn drift_text(drift: Option<[f64; 2]>) -> String {
+    drift.map_or_else(String::new, |[least, most]| {
+        format!("{} … {}", signed_percent(least), signed_percent(most))
+    })
 }
 
 fn device_cells(clocks: Option<&Clocks>) -> Markup {
