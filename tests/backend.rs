@@ -11,7 +11,7 @@ use occlab::frame::read_frame;
 use occlab::occlusion::MethodSetup;
 use occlab::oracle::{Options, Oracle};
 use occlab::raymarch::reference::Counting;
-use occlab::raymarch::unwatched;
+use occlab::raymarch::{TruthCache, unwatched};
 use program::{cells, modified, occlab, refused, report, stderr, without_adapter, workplace};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -151,7 +151,8 @@ fn truths_of_a_device_and_of_the_oracle_are_kept_apart() {
     let truth = |choice| {
         let backend = Backend::open(choice, None).unwrap();
         let view = backend.view(&scene, common::size(24, 16)).unwrap();
-        let cache = Some(folder.path());
+        let cache = TruthCache::new(folder.path(), u64::MAX);
+        let cache = Some(&cache);
         let truth = backend.truth(&view, cache, Counting::On, &mut unwatched);
         truth.unwrap()
     };

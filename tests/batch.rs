@@ -8,13 +8,13 @@ mod program;
 
 use occlab::frame::read_frame;
 use occlab::raymarch::reference::{Counting, Truth, truth};
-use occlab::raymarch::unwatched;
+use occlab::raymarch::{TruthCache, unwatched};
 use program::{batch, cells, modified, refused, report, stderr, workplace};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 fn cached_truth(cache: &Path, counting: Counting) -> Truth {
-    let cache = cache.to_owned();
+    let cache = TruthCache::new(cache, u64::MAX);
     common::on_gpu(move |renderer| {
         let scene = common::box_scene([0.0; 3], [1000.0; 3], 0.003);
         let view = renderer.view(&scene, common::size(24, 16)).unwrap();

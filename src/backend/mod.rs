@@ -17,10 +17,9 @@ use crate::gpu::{ClockWatch, Environment, Gpu, host, list_adapters, program};
 use crate::occlusion::MethodSetup;
 use crate::oracle::{self, Oracle};
 use crate::raymarch::reference::{self, Counting, Truth};
-use crate::raymarch::{self, PassTimes, Progress, Renderer};
+use crate::raymarch::{self, PassTimes, Progress, Renderer, TruthCache};
 use crate::scene::{ImageSize, Scene};
 use std::cell::RefCell;
-use std::path::Path;
 use std::rc::Rc;
 
 /// What a user may ask for.
@@ -163,7 +162,7 @@ impl Backend {
     pub fn truth(
         &self,
         view: &View,
-        cache: Option<&Path>,
+        cache: Option<&TruthCache>,
         counting: Counting,
         progress: Progress,
     ) -> Result<Truth> {

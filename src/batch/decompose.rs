@@ -16,11 +16,10 @@ use crate::metrics::{difference, relative_rmse};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::param::ParamValue;
 use crate::oracle::{Filter, Options, Oracle, truth};
-use crate::raymarch::unwatched;
+use crate::raymarch::{TruthCache, unwatched};
 use crate::scene::{Density, ImageSize, Scene};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::path::Path;
 
 /// Fewest steps that count as ample; four times the cell's own where these are more.
 const AMPLE_STEPS: u32 = 400;
@@ -50,7 +49,7 @@ impl Decomposer {
         scene: &Scene,
         image: ImageSize,
         backend_truth: &Frame,
-        cache: Option<&Path>,
+        cache: Option<&TruthCache>,
     ) -> Result<Self> {
         let noise = matches!(scene.density, Density::Procedural(_));
         let filters: &[Filter] = match noise {

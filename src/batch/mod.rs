@@ -17,6 +17,7 @@ use crate::backend::Backend;
 use crate::config::{Experiment, Matrix, View as MatrixView, expand};
 use crate::error::{Error, Result};
 use crate::occlusion::Registry;
+use crate::raymarch::TruthCache;
 pub use cell::planned_cell;
 use record::{Cell, Report, SCHEMA};
 use std::ops::ControlFlow;
@@ -66,7 +67,7 @@ struct Task<'a> {
     experiment: &'a Experiment,
     backend: &'a Backend,
     store: &'a Store,
-    cache: Option<&'a Path>,
+    cache: Option<&'a TruthCache>,
 }
 
 /// Runs what is missing of an experiment in `folder`; returns the report, which is not yet written.
@@ -74,7 +75,7 @@ pub fn run(
     experiment: &Experiment,
     backend: &Backend,
     folder: &Path,
-    cache: Option<&Path>,
+    cache: Option<&TruthCache>,
     observe: Observer,
 ) -> Result<Report> {
     let start = Instant::now();

@@ -6,7 +6,7 @@ use occlab::batch::record::{Cell, Clock, Report};
 use occlab::batch::{Event, report_folder, run};
 use occlab::config::{describe, expand, load_experiment};
 use occlab::occlusion::Registry;
-use occlab::raymarch::reference::cache_folder;
+use occlab::raymarch::TruthCache;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -21,7 +21,7 @@ pub struct Batch {
     /// Print the matrix and stop.
     #[arg(long)]
     dry_run: bool,
-    /// Render truths anew instead of taking them from the cache (OCCLAB_CACHE, or the user's cache folder).
+    /// Render truths anew instead of taking them from the cache (see `occlab cache`).
     #[arg(long)]
     no_cache: bool,
     #[command(flatten)]
@@ -39,14 +39,17 @@ impl Batch {
             .out
             .unwrap_or_else(|| report_folder(&PathBuf::from("reports"), &experiment.name));
         let backend = self.device.open()?;
-        let cache = if self.no_cache { None } else { cache_folder() };
+        let cache = match self.no_cache {
+            true => None,
+            false => TruthCache::from_environment()?,
+        };
         let quiet = self.device.quiet;
         let progress = bar(0, quiet);
         let report = run(
             &experiment,
             &backend,
             &folder,
-            cache.as_deref(),
+            cache.as_ref(),
             &mut |event| {
                 show(&progress, quiet, event);
                 ControlFlow::Continue(())

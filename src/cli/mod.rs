@@ -1,6 +1,7 @@
 //! Command line: what each command takes, and how results and errors are shown.
 
 mod batch;
+mod cache;
 mod diff;
 mod info;
 mod probe;
@@ -22,7 +23,7 @@ use std::process::ExitCode;
 /// One GPU ray marcher, many light-occlusion methods, each timed and compared with a 1000-step truth.
 /// Start with `occlab batch configs/quick.json`, then open the index.html it names.
 #[derive(Parser)]
-#[command(version, max_term_width = 100)]
+#[command(version = occlab::provenance::version(), max_term_width = 100)]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -47,6 +48,12 @@ enum Command {
     Stability(stability::Stability),
     /// Do a published comparison again: its experiments, figures and claims; without a name the studies are listed.
     Study(study::Study),
+    /// Show the folder in which batches keep truths, or empty it.
+    ///
+    /// Batches and studies keep each truth, so that it is rendered once: in the user's cache folder, or where OCCLAB_CACHE
+    /// says. When the folder holds more than OCCLAB_CACHE_LIMIT (bytes, or e.g. 500MiB; `none` for no limit; default: 4GiB),
+    /// the truths used longest ago are removed. The one just written stays, even where it alone is over the limit.
+    Cache(cache::Cache),
     /// List the light-occlusion methods and their parameters.
     Methods(info::Json),
     /// List the adapters of this machine.
@@ -121,6 +128,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Diff(c) => c.run(),
         Command::Stability(c) => c.run(),
         Command::Study(c) => c.run(),
+        Command::Cache(c) => c.run(),
         Command::Methods(c) => info::methods(&c),
         Command::Adapters(c) => info::adapters(&c),
         Command::Schema => info::schema(),

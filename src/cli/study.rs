@@ -6,7 +6,7 @@ use indicatif::ProgressBar;
 use occlab::batch::{self, report_folder};
 use occlab::config::{load_study, study_profiles};
 use occlab::error::Error;
-use occlab::raymarch::reference::cache_folder;
+use occlab::raymarch::TruthCache;
 use occlab::study::{Event, Outcome, Progress, run};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ pub struct Study {
     /// Output folder; default: reports/study-NAME-PROFILE.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Render truths anew instead of taking them from the cache (OCCLAB_CACHE, or the user's cache folder).
+    /// Render truths anew instead of taking them from the cache (see `occlab cache`).
     #[arg(long)]
     no_cache: bool,
     #[command(flatten)]
@@ -45,11 +45,14 @@ impl Study {
             .out
             .unwrap_or_else(|| report_folder(Path::new("reports"), &named));
         let backend = self.device.open()?;
-        let cache = if self.no_cache { None } else { cache_folder() };
+        let cache = match self.no_cache {
+            true => None,
+            false => TruthCache::from_environment()?,
+        };
         let quiet = self.device.quiet;
         let progress = bar(STEPS as u64, quiet);
         let mut resumed = false;
-        let (outcome, page) = run(&study, &backend, &folder, cache.as_deref(), &mut |event| {
+        let (outcome, page) = run(&study, &backend, &folder, cache.as_ref(), &mut |event| {
             show(&progress, quiet, &mut resumed, event);
             ControlFlow::Continue(())
         })?;

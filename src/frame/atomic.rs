@@ -5,6 +5,9 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+/// How the name of a file begins and ends while it is being written.
+pub(crate) const UNFINISHED: (&str, &str) = (".occlab-", ".part");
+
 /// Writes a file through a temporary one in the same folder, then renames it over `path`.
 ///
 /// A reader sees the old content or the new, never a half; when `fill` fails nothing is left behind. The data is
@@ -18,7 +21,7 @@ pub(crate) fn write_atomic(
         .filter(|p| !p.as_os_str().is_empty())
         .unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".occlab-").suffix(".part");
+    builder.prefix(UNFINISHED.0).suffix(UNFINISHED.1);
     #[cfg(unix)]
     let ordinary = std::os::unix::fs::PermissionsExt::from_mode(0o666);
     // A temporary file is private by default; a result is as readable as the umask lets any new file be.

@@ -15,7 +15,7 @@ pub struct Environment {
     pub backend: String,
     /// `DiscreteGpu`, `IntegratedGpu`, `Cpu`…
     pub device_type: String,
-    /// Version of this program.
+    /// Version of this program and the commit it is built from, see [`program`].
     pub commit: String,
     /// Operating system, architecture and logical cores.
     pub host: String,
@@ -31,9 +31,9 @@ impl Environment {
     }
 }
 
-/// Version of this program, for [`Environment::commit`].
+/// This program with version and commit, for [`Environment::commit`]: `occlab 0.1.0 (0123456789ab)`.
 pub fn program() -> String {
-    format!("occlab {}", env!("CARGO_PKG_VERSION"))
+    format!("occlab {}", crate::provenance::version())
 }
 
 /// This machine, for [`Environment::host`].

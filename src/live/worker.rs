@@ -11,8 +11,7 @@ use crate::config::load_experiment;
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, Sources};
 use crate::occlusion::MethodSetup;
-use crate::raymarch::reference::cache_folder;
-use crate::raymarch::{Renderer, Tiling};
+use crate::raymarch::{Renderer, Tiling, TruthCache};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -204,8 +203,8 @@ impl Worker<'_> {
                 ControlFlow::Continue(())
             }
         };
-        let cache = cache_folder();
-        let cache = cache.as_deref();
+        let cache = TruthCache::from_environment()?;
+        let cache = cache.as_ref();
         let report = batch::run(&experiment, &self.backend, folder, cache, &mut observe)?;
         crate::report::write(folder, &report)
     }

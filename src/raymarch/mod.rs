@@ -9,6 +9,7 @@ mod prepared;
 pub mod reference;
 mod temporal;
 mod tiles;
+pub mod truth_cache;
 mod view;
 
 pub use cost::{Counts, Memory, PassTimes, Samples};
@@ -18,6 +19,7 @@ pub use prepared::Prepared;
 pub(crate) use temporal::check_size;
 pub use temporal::{History, Temporal, history_bytes};
 pub use tiles::Tiling;
+pub use truth_cache::TruthCache;
 pub use view::View;
 
 use crate::density::DensityField;

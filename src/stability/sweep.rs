@@ -8,9 +8,11 @@ use crate::config::{Extreme, Stability};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::frame::atomic::write_atomic;
+use crate::gpu::Environment;
 use crate::occlusion::MethodSetup;
 use crate::occlusion::rounding::Rounding;
 use crate::oracle::{Options, Oracle};
+use crate::provenance::cell_sources;
 use crate::raymarch::Renderer;
 use crate::scene::{Density, Scene};
 use rayon::prelude::*;
@@ -63,11 +65,15 @@ pub(super) fn case_id(
         volume = json!(stability.volumes.get(name).map(|v| format!("{v:?}")));
         *path = name.into();
     }
+    // Two commits of the same sources show the same.
+    let environment = renderer.map(|renderer| Environment {
+        commit: String::new(),
+        ..renderer.gpu.environment()
+    });
     let key = json!([
         SCHEMA,
-        env!("CARGO_PKG_VERSION"),
-        crate::gpu::Sources::embedded().hash().to_hex().as_str(),
-        renderer.map(|renderer| renderer.gpu.environment()),
+        cell_sources(),
+        environment,
         [&extreme.group, &extreme.name],
         scene,
         volume,

@@ -9,6 +9,7 @@ use crate::batch::{self, record::Report};
 use crate::config::{CellSpec, Experiment, Matrix, Study, Test, View, expand};
 use crate::error::Result;
 use crate::occlusion::Registry;
+use crate::raymarch::TruthCache;
 use crate::scene::{Reconstruct, Track};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -117,7 +118,7 @@ pub fn run(
     study: &Study,
     backend: &Backend,
     folder: &Path,
-    cache: Option<&Path>,
+    cache: Option<&TruthCache>,
     observe: Observer<'_>,
 ) -> Result<(Outcome, PathBuf)> {
     let entries = study.experiments.iter();
