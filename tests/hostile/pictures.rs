@@ -2,7 +2,7 @@
 
 use super::damage::{WORDS, cases, damaged, edits};
 use super::is_one_paragraph;
-use occlab::frame::{Frame, read_frame, read_image, write_frame};
+use occlab::frame::{Frame, read_frame, read_picture, write_frame};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -107,8 +107,8 @@ impl Folder {
 fn holds(name: &str, bytes: &[u8]) {
     let folder = Folder::new();
     let path = folder.write(name, bytes);
-    match read_image(&path) {
-        Ok(frame) => frame.check("read").unwrap(),
+    match read_picture(&path) {
+        Ok(picture) => picture.frame.check("read").unwrap(),
         Err(error) => assert!(is_one_paragraph(&error.to_string(), &path), "{error}"),
     }
 }
@@ -218,7 +218,7 @@ proptest! {
 }
 
 fn refusal(path: &Path) -> String {
-    let message = read_image(path).unwrap_err().to_string();
+    let message = read_picture(path).unwrap_err().to_string();
     assert!(is_one_paragraph(&message, path), "{message}");
     message
 }
@@ -277,5 +277,5 @@ fn pictures_of_one_colour_are_read_however_well_they_compress() {
     }
     let path = folder.0.path().join("a.png");
     image::GrayImage::new(4096, 4096).save(&path).unwrap();
-    assert_eq!(read_image(&path).unwrap().width, 4096);
+    assert_eq!(read_picture(&path).unwrap().frame.width, 4096);
 }
