@@ -68,7 +68,7 @@ fn notes(reference: &Picture, test: &Picture) -> Vec<String> {
     if reference.corner != test.corner {
         let at = |[x, y]: [i32; 2]| format!("({x}, {y})");
         notes.push(format!(
-            "the display windows begin at {} and {}: corner was laid on corner",
+            "the pictures begin at {} and {} of their files' coordinates: compared corner on corner",
             at(reference.corner),
             at(test.corner)
         ));

@@ -213,24 +213,20 @@ fn by_default(
     if own.len() < 2 {
         return Ok((index, None));
     }
+    let count = own.len();
     let taken = match layers[index].name(layers) {
-        Some(name) => format!("layer `{name}`"),
-        None => "the layer without a name".to_owned(),
+        Some(name) => format!("layer `{name}` of {count} was taken"),
+        None => format!("of {count} layers the one without a name was taken"),
     };
     let why = match only {
-        Some(_) => "the only picture".to_owned(),
+        Some(_) => "the only picture among them".to_owned(),
         None => format!(
-            "whose channels have no prefix; {}:NAME takes another: {}",
+            "the first whose channels have no prefix; {}:NAME takes another: {}",
             shown(path),
             names_of(layers, Some(index))
         ),
     };
-    let note = format!(
-        "{}: of {} layers {taken} was taken, {why}",
-        shown(path),
-        own.len()
-    );
-    Ok((index, Some(note)))
+    Ok((index, Some(format!("{}: {taken}, {why}", shown(path)))))
 }
 
 /// The pictures that can be named, without one of them.

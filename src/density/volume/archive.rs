@@ -89,11 +89,7 @@ fn choose<'a>(path: &Path, arrays: &'a [Listed], name: Option<&str>) -> Result<&
         ),
         (Some(first), Some(_), None) => wrong(
             format!("the archive holds {} arrays: {}", arrays.len(), names()),
-            format!(
-                "Name the one that is the density: {}:{}.",
-                path.display(),
-                first.name
-            ),
+            format!("Name one, for example {}:{}.", path.display(), first.name),
         ),
         (None, _, Some(name)) => wrong(
             format!("the archive has no array `{name}`"),

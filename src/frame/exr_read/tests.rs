@@ -120,7 +120,7 @@ fn of_several_layers_the_plain_one_is_taken_and_said_and_a_name_takes_another() 
         panic!("{:?}", picture.notes);
     };
     for word in [
-        "a.exr: of 3 layers the layer without a name was taken",
+        "a.exr: of 3 layers the one without a name was taken",
         "another: diffuse",
     ] {
         assert!(note.contains(word), "{note}");
@@ -143,7 +143,7 @@ fn the_only_picture_among_layers_is_taken_and_said() {
     folder.parts(&[("", &channels)]);
     let picture = read_picture(&folder.path()).unwrap();
     assert_eq!(picture.frame.radiance[0], [1.0, 2.0, 3.0, 1.0]);
-    let expected = "of 3 layers layer `ViewLayer.Combined` was taken, the only picture";
+    let expected = "layer `ViewLayer.Combined` of 3 was taken, the only picture";
     assert!(picture.notes[0].contains(expected), "{:?}", picture.notes);
 }
 
@@ -177,7 +177,7 @@ fn parts_are_chosen_by_name_and_the_first_is_taken_by_default() {
     folder.parts(&[("depth", &[("Z", 9.0)]), ("left", RGB), ("right", &right)]);
     let picture = read_picture(&folder.path()).unwrap();
     assert_eq!(picture.frame.radiance[0], [1.0, 2.0, 3.0, 1.0]);
-    for word in ["of 3 layers layer `left` was taken", "another: right"] {
+    for word in ["layer `left` of 3 was taken", "another: right"] {
         assert!(picture.notes[0].contains(word), "{:?}", picture.notes);
     }
     assert_eq!(first_pixel(&folder.named("right"))[..3], [4.0, 5.0, 6.0]);
