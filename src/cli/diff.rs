@@ -8,10 +8,10 @@ use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub struct Diff {
-    /// The picture taken for true: EXR or PNG; FILE.exr:NAME takes a layer or part of an EXR.
-    #[arg(value_name = "REFERENCE")]
+    /// The picture taken for true: EXR or PNG; FILE.exr:NAME takes a layer or part. An EXR is compared over its display
+    /// window: outside its data window there is nothing, overscan is cut.
     reference: PathBuf,
-    /// The picture compared with it, over the display windows.
+    /// The picture compared with it.
     test: PathBuf,
     /// Signed difference: blue = too dark, red = too bright.
     #[arg(long, short, value_name = "FILE.png")]
