@@ -173,7 +173,7 @@ fn an_index_is_the_same_voxel_in_fortran_order() {
         let swapped = open(folder.npy(&header("True"), &bytes([0, 1, 2])), up).expect("Fortran");
         assert_ne!(c.values, swapped.values, "the order must matter");
     }
-    let mut data = vec![1.0_f64; 24];
+    let mut data = [1.0_f64; 24];
     // The second value of a file in Fortran order is that of index [1][0][0].
     data[1] = -1.0;
     let data: Vec<u8> = data.iter().flat_map(|v| v.to_be_bytes()).collect();

@@ -233,8 +233,10 @@ fn windowed(path: &Path, data: IntegerBounds, display: IntegerBounds, alpha: boo
     if alpha {
         list.push(AnyChannel::new("A", pixels(&|_, _| 0.5)));
     }
-    let mut attributes = LayerAttributes::default();
-    attributes.layer_position = data.position;
+    let attributes = LayerAttributes {
+        layer_position: data.position,
+        ..LayerAttributes::default()
+    };
     let list = AnyChannels::sort(list.into_iter().collect());
     let layer = ExrLayer::new(data.size, attributes, Encoding::FAST_LOSSLESS, list);
     let image = Image::new(ImageAttributes::new(display), layer);
