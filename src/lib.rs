@@ -23,6 +23,7 @@ pub mod config;
 mod damage;
 pub mod density;
 pub mod error;
+pub mod file_part;
 pub mod frame;
 pub mod gpu;
 pub mod live;

@@ -10,6 +10,7 @@ use program::{
     batch, cells, experiment, modified, occlab, refused, report, stderr, without_adapter, workplace,
 };
 use serde_json::{Value, json};
+use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
@@ -175,6 +176,118 @@ fn render_and_diff_measure_what_a_method_loses() {
         ])
         .output();
     refused(&bad.unwrap(), &["stops", "steps"]);
+}
+
+/// An EXR of 6 × 4 pixels whose channels have one value each, stored from `corner` on in a picture that begins at (0, 0).
+fn exr_file(path: &Path, corner: (i32, i32), channels: &[(&str, f32)]) {
+    use exr::prelude::*;
+    let channel =
+        |(name, value): &(&str, f32)| AnyChannel::new(*name, FlatSamples::F32(vec![*value; 24]));
+    let attributes = LayerAttributes {
+        layer_position: corner.into(),
+        ..LayerAttributes::default()
+    };
+    let channels = AnyChannels::sort(channels.iter().map(channel).collect());
+    let layer = Layer::new((6, 4), attributes, Encoding::UNCOMPRESSED, channels);
+    let image = Image::new(ImageAttributes::with_size((6, 4)), layer);
+    image.write().to_file(path).unwrap();
+}
+
+#[test]
+fn diff_says_which_layer_and_window_it_took_and_takes_the_one_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = [("R", 1.0), ("G", 1.0), ("B", 1.0)];
+    let named = [("glow.R", 0.5), ("glow.G", 0.5), ("glow.B", 0.5)];
+    let other = [("key.R", 0.5), ("key.G", 0.5), ("key.B", 0.5)];
+    let file = |name: &str, corner, channels: &[(&str, f32)]| {
+        exr_file(&folder.path().join(name), corner, channels);
+    };
+    file("plain.exr", (0, 0), &plain);
+    file("glow.exr", (0, 0), &named);
+    file("both.exr", (0, 0), &[&plain[..], &named].concat());
+    file("open.exr", (0, 0), &[&named[..], &other].concat());
+    file("right.exr", (2, 0), &plain);
+    let diff = |test: &str| {
+        let mut command = occlab(folder.path());
+        command.args(["diff", "plain.exr", test, "--json"]);
+        command.output().unwrap()
+    };
+    let cases = [
+        ("plain.exr", 0.0, &[][..]),
+        ("glow.exr", -0.5, &[]),
+        ("both.exr", 0.0, &["both.exr: of 2 layers", "another: glow"]),
+        ("both.exr:glow", -0.5, &[]),
+        (
+            "right.exr",
+            -1.0 / 3.0,
+            &[
+                "right.exr:",
+                "6×4 from (2, 0)",
+                "overscan was cut",
+                "opacity are 0",
+            ],
+        ),
+    ];
+    for (test, bias, words) in cases {
+        let output = diff(test);
+        let notes = stderr(&output);
+        assert!(output.status.success(), "{test}: {notes}");
+        let numbers: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let found = numbers["bias"].as_f64().unwrap();
+        assert!((found - bias).abs() < 1e-12, "{test}: {found}");
+        assert_eq!(
+            notes.lines().count(),
+            usize::from(!words.is_empty()),
+            "{notes}"
+        );
+        for word in words {
+            assert!(notes.contains(word), "`{word}` is not in: {notes}");
+        }
+    }
+    refused(&diff("open.exr"), &["glow, key", "open.exr:glow"]);
+    refused(&diff("both.exr:key"), &["no layer `key`", "glow"]);
+}
+
+#[test]
+fn a_volume_deleted_or_cut_between_two_runs_is_an_error_that_loses_nothing() {
+    let folder = workplace(|s, e| {
+        s["density"] = json!({"volume": {"path": "v.npy", "up_axis": 1}});
+        e["sun_elevation_deg"] = json!([60]);
+    });
+    let volume = folder.path().join("v.npy");
+    let header = "{'descr': '>u2', 'fortran_order': True, 'shape': (2, 2, 2), }\n";
+    let mut whole = b"\x93NUMPY\x01\x00".to_vec();
+    whole.extend((header.len() as u16).to_le_bytes());
+    whole.extend(header.as_bytes());
+    whole.extend([0, 1].repeat(8));
+    let run = || {
+        let mut command = occlab(folder.path());
+        command.args(["batch", "small.json", "--out", "out", "--quiet"]);
+        command.args(["--backend", "cpu"]).output().unwrap()
+    };
+    std::fs::write(&volume, &whole).unwrap();
+    let first = run();
+    assert!(first.status.success(), "{}", stderr(&first));
+    let lost = cells(folder.path()).remove(0);
+    std::fs::remove_file(&lost).unwrap();
+    let kept = modified(cells(folder.path()));
+    assert_eq!(kept.len(), 2);
+
+    std::fs::remove_file(&volume).unwrap();
+    refused(&run(), &["v.npy", "cannot read"]);
+    std::fs::write(&volume, &whole[..whole.len() - 3]).unwrap();
+    refused(
+        &run(),
+        &["v.npy", "announces 16 bytes", "only 13", "truncated"],
+    );
+    assert_eq!(modified(cells(folder.path())), kept);
+
+    std::fs::write(&volume, &whole).unwrap();
+    let last = run();
+    assert!(last.status.success(), "{}", stderr(&last));
+    assert!(lost.exists(), "the missing cell was measured");
+    let paths = kept.iter().map(|(path, _)| path.clone());
+    assert_eq!(modified(paths), kept, "finished cells were measured again");
 }
 
 #[test]

@@ -1,14 +1,15 @@
 //! `occlab diff`.
 
 use super::{print_path, say};
-use occlab::frame::{false_colour, read_image, write_png};
+use occlab::frame::{Picture, false_colour, read_picture, write_png};
 use occlab::metrics::{compare, delta_luminance, mean_sun};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub struct Diff {
-    /// The picture taken for true.
+    /// The picture taken for true: EXR or PNG; FILE.exr:NAME takes a layer or part. An EXR is compared over its display
+    /// window: outside its data window there is nothing, overscan is cut.
     reference: PathBuf,
     /// The picture compared with it.
     test: PathBuf,
@@ -25,7 +26,11 @@ pub struct Diff {
 
 impl Diff {
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        let (reference, test) = (read_image(&self.reference)?, read_image(&self.test)?);
+        let (reference, test) = (read_picture(&self.reference)?, read_picture(&self.test)?);
+        for note in notes(&reference, &test) {
+            eprintln!("{note}");
+        }
+        let (reference, test) = (reference.frame, test.frame);
         let comparison = compare(&reference, &test)?;
         let mut numbers = serde_json::to_value(comparison.error)?;
         numbers["cloud_pixel_fraction"] = comparison.cloud_pixel_fraction.into();
@@ -49,4 +54,24 @@ impl Diff {
         }
         Ok(ExitCode::SUCCESS)
     }
+}
+
+/// What was decided on reading the two pictures, and where their corners came to lie on each other.
+fn notes(reference: &Picture, test: &Picture) -> Vec<String> {
+    let mut notes = reference.notes.clone();
+    notes.extend(
+        test.notes
+            .iter()
+            .filter(|n| !reference.notes.contains(n))
+            .cloned(),
+    );
+    if reference.corner != test.corner {
+        let at = |[x, y]: [i32; 2]| format!("({x}, {y})");
+        notes.push(format!(
+            "the pictures begin at {} and {} of their files' coordinates: compared corner on corner",
+            at(reference.corner),
+            at(test.corner)
+        ));
+    }
+    notes
 }

@@ -19,7 +19,7 @@ pub struct SceneOptions {
     /// Sun elevation in degrees, instead of the scene's.
     #[arg(long, value_name = "DEG")]
     sun_elevation: Option<f64>,
-    /// Volume file (.npy), instead of the scene's.
+    /// Volume instead of the scene's: a .npy of three axes, or a .npz (FILE.npz:NAME where it has several arrays).
     #[arg(long, value_name = "FILE")]
     volume: Option<PathBuf>,
     /// Seed of the noise, instead of the scene's.

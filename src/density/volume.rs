@@ -1,10 +1,18 @@
-//! Imported volumes: NumPy `.npy` files (format 1–3, <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
+//! Imported volumes: NumPy `.npy` files (format 1–3, <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>)
+//! and the arrays of `.npz` archives.
 //!
-//! Values are dimensionless densities as stored: `u8` 255 is density 255, to be scaled by `medium.extinction_per_m`.
-//! Sizes are checked against the file before anything is allocated.
+//! Values are dimensionless densities as stored: `u8` 255 is density 255, to be scaled by `medium.extinction_per_m`; a bool
+//! is 0 or 1. Arrays in C and in Fortran order are read, of either byte order: an index of the array is the same voxel in
+//! each. Sizes are checked against the file before anything is allocated.
+
+mod archive;
+mod header;
 
 use crate::error::{Error, Result};
+use crate::file_part::FilePart;
 use crate::scene::Volume;
+use archive::Member;
+use header::{Header, bad_header};
 use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar};
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -15,10 +23,6 @@ pub const MAX_AXIS: u32 = 2048;
 /// Most voxels of a volume (8 GiB as f32).
 pub const MAX_VOXELS: u64 = 1 << 31;
 
-/// Longest header accepted, bytes; NumPy writes 118 for three axes.
-const MAX_HEADER_BYTES: usize = 1 << 16;
-/// Most brackets in a header: three axes need two pairs, and deep nesting would exhaust the parser's stack.
-const MAX_BRACKETS: usize = 64;
 const SAVE_REMEDY: &str = "Save it with numpy.save(path, numpy.ascontiguousarray(a, dtype=numpy.float32)), three axes, values finite and 0 or more.";
 
 /// A density grid in world order.
@@ -28,52 +32,63 @@ pub struct Grid {
     pub size: [u32; 3],
     /// Densities, finite and ≥ 0: x fastest, then y, then z.
     pub values: Vec<f32>,
-    /// BLAKE3 of the file, for cache keys and reports.
+    /// BLAKE3 of the `.npy` bytes (of an archive: of the array that was read), for cache keys and reports.
     pub hash: blake3::Hash,
 }
 
+/// The file that `volume.path` names, and the array in it: `clouds.npz:density`.
+pub fn file_of(path: &Path) -> FilePart {
+    FilePart::of(path, "npz")
+}
+
 /// Reads `volume.path` (already resolved) and turns its axes into world axes.
+///
+/// Of a `.npz` archive the only array is read, or the one named behind a colon: `clouds.npz:density`.
 pub fn load(volume: &Volume) -> Result<Grid> {
     let axes = Axes::new(volume)?;
-    let file = File::open(&volume.path).map_err(Error::reading(&volume.path))?;
-    let file_bytes = file.metadata().map_err(Error::reading(&volume.path))?.len();
+    let member = open(&volume.path)?;
     let mut reader = BufReader::with_capacity(
         1 << 20,
         Hashing {
-            inner: file,
+            inner: member.reader,
             hasher: blake3::Hasher::new(),
         },
     );
-    let (shape, header_bytes) = preflight(&volume.path, &mut reader)?;
-    let header =
-        NpyHeader::from_reader(&mut reader).map_err(|e| bad_header(&volume.path, e.to_string()))?;
-    if header.shape() != shape.map(u64::from) {
-        return Err(bad_header(
-            &volume.path,
-            "the shape is written in an unusual way",
-        ));
-    }
-    if header.order() == Order::Fortran {
-        let remedy = "Save numpy.ascontiguousarray(a) instead, in C order.";
-        return Err(Error::input(
-            place(&volume.path, "header"),
-            "the array is in Fortran order",
-            remedy,
-        ));
-    }
-    let read = reader_for(&volume.path, &header)?;
-    check_length(
-        &volume.path,
-        &header,
-        file_bytes - header_bytes.min(file_bytes),
-    )?;
-    let npy = NpyFile::with_header(header, &mut reader);
-    let values = read(npy, &axes, shape, &volume.path)?;
+    let header = header::read(&volume.path, &mut reader)?;
+    let read = reader_for(&volume.path, &header.npy)?;
+    let data_bytes = member.bytes.saturating_sub(header.bytes);
+    header::check_length(&volume.path, &header.npy, data_bytes)?;
+    let size = axes.world(header.shape);
+    let values = read(header, &mut reader, &axes, &volume.path)?;
     Ok(Grid {
-        size: axes.world(shape),
+        size,
         values,
         hash: reader.into_inner().hasher.finalize(),
     })
+}
+
+/// Opens the file, or the array inside an archive: which of the two it is, its first bytes say.
+fn open(path: &Path) -> Result<Member> {
+    let part = file_of(path);
+    let io = Error::reading(&part.file);
+    let start = |file: &mut File| -> std::io::Result<(Vec<u8>, u64)> {
+        let mut start = Vec::new();
+        file.take(4).read_to_end(&mut start)?;
+        file.seek(SeekFrom::Start(0))?;
+        Ok((start, file.metadata()?.len()))
+    };
+    let opened = File::open(&part.file).and_then(|mut file| Ok((start(&mut file)?, file)));
+    let ((start, bytes), file) = opened.map_err(io)?;
+    if archive::MAGIC.iter().any(|magic| start == *magic) {
+        return archive::open(&part.file, file, part.name.as_deref());
+    }
+    if part.name.is_some() {
+        let place = path.display().to_string();
+        let problem = "the file is no .npz archive, so no array can be named in it";
+        return Err(Error::input(place, problem, "Give the file alone."));
+    }
+    let reader = Box::new(file);
+    Ok(Member { reader, bytes })
 }
 
 /// Which array axis is which world axis.
@@ -115,7 +130,7 @@ impl Axes {
 
 /// Hashes what passes through.
 struct Hashing {
-    inner: File,
+    inner: Box<dyn Read>,
     hasher: blake3::Hasher,
 }
 
@@ -129,126 +144,30 @@ impl Read for Hashing {
 
 type Source<'a> = &'a mut BufReader<Hashing>;
 
-/// Reads the header's text, returns shape and header length, and goes back to the start of the file.
-///
-/// The `.npy` reader multiplies the axes without a check and allocates what the length field says;
-/// both are therefore checked here, on the text.
-fn preflight(path: &Path, reader: Source<'_>) -> Result<([u32; 3], u64)> {
-    let io = |e: std::io::Error| match e.kind() {
-        std::io::ErrorKind::UnexpectedEof => bad_header(path, "the file ends inside the header"),
-        _ => Error::reading(path)(e),
+/// A number as NumPy stores it.
+trait Stored: npyz::Deserialize {
+    fn value(self) -> f64;
+}
+
+macro_rules! stored {
+    ($($kind:ty: $value:expr),+ $(,)?) => {
+        $(impl Stored for $kind {
+            fn value(self) -> f64 {
+                let value: fn($kind) -> f64 = $value;
+                value(self)
+            }
+        })+
     };
-    let mut start = [0; 8];
-    reader.read_exact(&mut start).map_err(io)?;
-    if &start[..6] != b"\x93NUMPY" {
-        return Err(bad_header(path, "this is not a .npy file"));
-    }
-    let length_bytes = if start[6] == 1 { 2 } else { 4 };
-    let mut length = [0; 4];
-    reader.read_exact(&mut length[..length_bytes]).map_err(io)?;
-    let length = u32::from_le_bytes(length) as usize;
-    if length > MAX_HEADER_BYTES {
-        return Err(bad_header(
-            path,
-            format!("the header claims {length} bytes"),
-        ));
-    }
-    let mut text = vec![0; length];
-    reader.read_exact(&mut text).map_err(io)?;
-    let text = String::from_utf8(text).map_err(|_| bad_header(path, "the header is not text"))?;
-    if text.matches(['(', '[', '{']).count() > MAX_BRACKETS {
-        return Err(bad_header(path, "the header is nested too deeply"));
-    }
-    if text.matches(':').count() > 3 {
-        return Err(bad_header(
-            path,
-            "the header has more than descr, fortran_order and shape",
-        ));
-    }
-    // `shape_in` finds the shape by its name: a name that can be hidden in another string, or spelt with escapes, would
-    // give the parser a second one.
-    if text.contains(['"', '\\']) || text.matches("'shape'").count() > 1 {
-        return Err(bad_header(path, "the shape is written in an unusual way"));
-    }
-    rewind(reader).map_err(Error::reading(path))?;
-    Ok((shape_in(path, &text)?, (8 + length_bytes + length) as u64))
 }
 
-/// Back to byte 0, with a fresh hash.
-fn rewind(reader: Source<'_>) -> std::io::Result<()> {
-    let capacity = reader.capacity();
-    let mut file = reader.get_ref().inner.try_clone()?;
-    file.seek(SeekFrom::Start(0))?;
-    *reader = BufReader::with_capacity(
-        capacity,
-        Hashing {
-            inner: file,
-            hasher: blake3::Hasher::new(),
-        },
-    );
-    Ok(())
+stored! {
+    bool: |v| f64::from(u8::from(v)),
+    u8: f64::from, u16: f64::from, u32: f64::from, u64: |v| v as f64,
+    i8: f64::from, i16: f64::from, i32: f64::from, i64: |v| v as f64,
+    npyz::half::f16: f64::from, f32: f64::from, f64: |v| v,
 }
 
-/// The three axes of `'shape': (a, b, c)`, each 1…[`MAX_AXIS`], at most [`MAX_VOXELS`] together.
-fn shape_in(path: &Path, header: &str) -> Result<[u32; 3]> {
-    let axes = header
-        .split_once("'shape'")
-        .and_then(|(_, rest)| rest.split_once('('))
-        .and_then(|(_, rest)| rest.split_once(')'));
-    let (axes, _) = axes.ok_or_else(|| bad_header(path, "there is no shape"))?;
-    let axes: Vec<&str> = axes
-        .split(',')
-        .map(str::trim)
-        .filter(|axis| !axis.is_empty())
-        .collect();
-    let wrong = |problem: String| Error::input(place(path, "header, shape"), problem, SAVE_REMEDY);
-    if axes.len() != 3 {
-        return Err(wrong(format!(
-            "the array has {} axes, a volume has 3",
-            axes.len()
-        )));
-    }
-    let mut shape = [0; 3];
-    for (i, text) in axes.iter().enumerate() {
-        shape[i] = text
-            .parse()
-            .ok()
-            .filter(|n| (1..=MAX_AXIS).contains(n))
-            .ok_or_else(|| {
-                wrong(format!(
-                    "axis {i} has {text} voxels, allowed is 1…{MAX_AXIS}"
-                ))
-            })?;
-    }
-    let voxels = shape.iter().map(|n| u64::from(*n)).product::<u64>();
-    if voxels > MAX_VOXELS {
-        return Err(wrong(format!(
-            "{voxels} voxels, at most {MAX_VOXELS} are read"
-        )));
-    }
-    Ok(shape)
-}
-
-/// The data must be exactly as long as the header says.
-fn check_length(path: &Path, header: &NpyHeader, data_bytes: u64) -> Result<()> {
-    let voxel_bytes = header.dtype().num_bytes().unwrap_or(0) as u64;
-    let expected = header.len() * voxel_bytes;
-    let (word, remedy) = match data_bytes.cmp(&expected) {
-        std::cmp::Ordering::Equal => return Ok(()),
-        std::cmp::Ordering::Less => ("only ", "The file is truncated: copy or save it again."),
-        std::cmp::Ordering::Greater => (
-            "",
-            "Save one array to a file; numpy.load would ignore the rest.",
-        ),
-    };
-    let problem = format!(
-        "the header announces {expected} bytes of data ({} voxels of {voxel_bytes}), the file has {word}{data_bytes}",
-        header.len()
-    );
-    Err(Error::input(place(path, "data"), problem, remedy))
-}
-
-type ReadFn<'a> = fn(NpyFile<Source<'a>>, &Axes, [u32; 3], &Path) -> Result<Vec<f32>>;
+type ReadFn<'a> = fn(Header, Source<'a>, &Axes, &Path) -> Result<Vec<f32>>;
 
 /// The reader for the stored type, in either byte order.
 fn reader_for<'a>(path: &Path, header: &NpyHeader) -> Result<ReadFn<'a>> {
@@ -262,9 +181,17 @@ fn reader_for<'a>(path: &Path, header: &NpyHeader) -> Result<ReadFn<'a>> {
         (TypeChar::Float, 4) => Ok(read_values::<f32>),
         (TypeChar::Float, 8) => Ok(read_values::<f64>),
         (TypeChar::Uint, 1) => Ok(read_values::<u8>),
+        (TypeChar::Uint, 2) => Ok(read_values::<u16>),
+        (TypeChar::Uint, 4) => Ok(read_values::<u32>),
+        (TypeChar::Uint, 8) => Ok(read_values::<u64>),
+        (TypeChar::Int, 1) => Ok(read_values::<i8>),
+        (TypeChar::Int, 2) => Ok(read_values::<i16>),
+        (TypeChar::Int, 4) => Ok(read_values::<i32>),
+        (TypeChar::Int, 8) => Ok(read_values::<i64>),
+        (TypeChar::Bool, 1) => Ok(read_values::<bool>),
         _ => {
             let problem = format!(
-                "values are of type {}, allowed are f16, f32, f64 and u8",
+                "values are of type {}, allowed are f16, f32, f64, integers of 8 to 64 bits and bool",
                 dtype.descr()
             );
             Err(Error::input(
@@ -277,12 +204,13 @@ fn reader_for<'a>(path: &Path, header: &NpyHeader) -> Result<ReadFn<'a>> {
 }
 
 /// Streams the array in its own order and writes each value at its world place.
-fn read_values<'a, T: npyz::Deserialize + Into<f64>>(
-    npy: NpyFile<Source<'a>>,
+fn read_values<T: Stored>(
+    header: Header,
+    source: Source<'_>,
     axes: &Axes,
-    shape: [u32; 3],
     path: &Path,
 ) -> Result<Vec<f32>> {
+    let shape = header.shape;
     let voxels = shape.iter().map(|n| *n as usize).product();
     let mut values: Vec<f32> = Vec::new();
     values.try_reserve_exact(voxels).map_err(|e| {
@@ -294,19 +222,27 @@ fn read_values<'a, T: npyz::Deserialize + Into<f64>>(
     })?;
     values.resize(voxels, 0.0);
     let [nx, ny, _] = axes.world(shape).map(|n| n as usize);
-    let mut data = npy
+    // Array axes from the one that changes slowest in the file to the one that changes fastest.
+    let [slow, middle, fast] = match header.npy.order() {
+        Order::C => [0, 1, 2],
+        Order::Fortran => [2, 1, 0],
+    };
+    let mut data = NpyFile::with_header(header.npy, source)
         .data::<T>()
         .map_err(|e| bad_header(path, e.to_string()))?;
-    for a in 0..shape[0] {
-        for b in 0..shape[1] {
-            for c in 0..shape[2] {
-                let index = [a, b, c];
+    let mut index = [0; 3];
+    for i in 0..shape[slow] {
+        index[slow] = i;
+        for j in 0..shape[middle] {
+            index[middle] = j;
+            for k in 0..shape[fast] {
+                index[fast] = k;
                 let value = data
                     .next()
                     .unwrap_or_else(|| Err(std::io::ErrorKind::UnexpectedEof.into()))
-                    .map_err(Error::reading(path))?;
+                    .map_err(|e| cannot_read(path, e))?;
                 let [x, y, z] = axes.world(index).map(|i| i as usize);
-                values[x + nx * (y + ny * z)] = density(value.into(), || {
+                values[x + nx * (y + ny * z)] = density(value.value(), || {
                     place(path, &format!("element {}", axes.element(index)))
                 })?;
             }
@@ -344,8 +280,15 @@ fn place(path: &Path, inside: &str) -> String {
     format!("{}, {inside}", path.display())
 }
 
-fn bad_header(path: &Path, problem: impl Into<String>) -> Error {
-    Error::input(place(path, "header"), problem, SAVE_REMEDY)
+/// The error for a failed read: damage that a decoder or a checksum found, or the operating system's reason.
+fn cannot_read(path: &Path, error: std::io::Error) -> Error {
+    use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
+    if !matches!(error.kind(), InvalidData | InvalidInput | UnexpectedEof) {
+        return Error::reading(path)(error);
+    }
+    let problem = format!("the data cannot be read: {error}");
+    let remedy = "The file is damaged or truncated: copy or save it again.";
+    Error::input(place(path, "data"), problem, remedy)
 }
 
 #[cfg(test)]

@@ -2,11 +2,15 @@
 
 pub(crate) mod atomic;
 mod exr_file;
+mod exr_layers;
+mod exr_read;
+mod picture;
 mod png_file;
 mod tonemap;
 
-pub use exr_file::{read_frame, write_frame};
-pub use png_file::{FALSE_COLOUR_STOPS, false_colour, read_image, write_png};
+pub use exr_file::write_frame;
+pub use picture::{Picture, read_frame, read_picture};
+pub use png_file::{FALSE_COLOUR_STOPS, false_colour, write_png};
 pub use tonemap::{Exposure, tone_map};
 
 use crate::error::{Error, Result};

@@ -1,7 +1,7 @@
 //! Pictures as PNG files: written for people, read for comparisons.
 
 use super::atomic::write_atomic;
-use super::{Frame, MAX_PIXELS, check_backed, check_size, read_frame, shown};
+use super::{Frame, MAX_PIXELS, check_backed, check_size, shown};
 use crate::error::{Error, Result};
 use image::codecs::png::{PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
@@ -111,27 +111,6 @@ fn colour_at(position: f32) -> [u8; 3] {
     [mix(0), mix(1), mix(2)]
 }
 
-/// Reads a picture to compare: `.exr` (see [`read_frame`]) or `.png` of 8 or 16 bits.
-///
-/// A PNG is taken as sRGB whatever profile it carries, is made linear (IEC 61966-2-1:1999), and its colour is
-/// multiplied by its alpha, as in an EXR. Its sun-lit radiance is its radiance and V is 0.
-pub fn read_image(path: &Path) -> Result<Frame> {
-    let extension = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or_default()
-        .to_ascii_lowercase();
-    match extension.as_str() {
-        "exr" => read_frame(path),
-        "png" => read_png(path),
-        _ => Err(Error::input(
-            shown(path),
-            "not a picture this program reads",
-            "Give a .exr or a .png file.",
-        )),
-    }
-}
-
 /// Pixels that a byte of a PNG can hold: a bit each, and deflate, the only compression there is, expands 1032 times at
 /// most (<https://zlib.net/zlib_tech.html>).
 const PIXELS_A_BYTE: u64 = 8 * 1032;
@@ -139,7 +118,7 @@ const PIXELS_A_BYTE: u64 = 8 * 1032;
 const PIXEL_BYTES: u64 = 8;
 
 /// Decodes a PNG whose size is checked first.
-fn read_png(path: &Path) -> Result<Frame> {
+pub(super) fn read_png(path: &Path) -> Result<Frame> {
     let undecodable = |e: ImageError| match e {
         ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
             Error::reading(path)(source)
@@ -192,6 +171,7 @@ fn linear([r, g, b, a]: [u16; 4]) -> [f32; 4] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::read_picture;
     use super::*;
 
     #[test]
@@ -199,7 +179,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.PNG");
         write_png(&path, 2, 1, &[0, 255, 188, 10, 64, 128]).unwrap();
-        let frame = read_image(&path).unwrap();
+        let frame = read_picture(&path).unwrap().frame;
         // Values of the standard's formula: 188 → 0.502886, 10 → 0.003035, 64 → 0.051269, 128 → 0.215861.
         let expected = [
             [0.0, 1.0, 0.502_886, 1.0],
@@ -225,7 +205,7 @@ mod tests {
         image::ImageBuffer::from_pixel(1, 1, pixel)
             .save(&path)
             .unwrap();
-        let [r, g, b, a] = read_image(&path).unwrap().radiance[0];
+        let [r, g, b, a] = read_picture(&path).unwrap().frame.radiance[0];
         assert!((a - 0.2).abs() < 1e-7 && (r - 0.2).abs() < 1e-7);
         assert!((g - 0.2 * 0.215_861).abs() < 1e-6);
         assert!((b - 0.2 / 65535.0 / 12.92).abs() < 1e-12 && b > 0.0);
@@ -237,11 +217,11 @@ mod tests {
         let path = folder.path().join("a.png");
         assert!(write_png(&path, 2, 2, &[0; 11]).is_err());
         assert!(!path.exists());
-        assert!(matches!(read_image(&path), Err(Error::Io { .. })));
+        assert!(matches!(read_picture(&path), Err(Error::Io { .. })));
         std::fs::write(&path, b"\x89PNG\r\n\x1a\nnothing").unwrap();
-        assert!(matches!(read_image(&path), Err(Error::Image { .. })));
+        assert!(matches!(read_picture(&path), Err(Error::Image { .. })));
         assert!(matches!(
-            read_image(Path::new("picture.jpg")),
+            read_picture(Path::new("picture.jpg")),
             Err(Error::Input { .. })
         ));
     }

@@ -77,7 +77,8 @@ pub struct Deck {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Volume {
-    /// `.npy` file (f16, f32, f64 or u8, C order, three axes), relative to the scene file; `--volume` overrides it.
+    /// `.npy` file of three axes (floats of 16 to 64 bits, integers or bool, in either byte and axis order), or an array of
+    /// a `.npz` archive: its only one, or `FILE.npz:NAME`. Relative to the scene file; `--volume` overrides it.
     pub path: PathBuf,
     /// Index (0, 1, 2) of the array axis that points up. Of the others the earlier is world z, the later world x.
     pub up_axis: u8,

@@ -209,7 +209,8 @@ fn recall(file: &Path) -> Result<Option<(Left, State)>> {
     let text = left.experiment.to_string();
     let state = State::parse(Path::new("remembered state"), text)?;
     if let crate::scene::Density::Volume(volume) = &state.scene.density {
-        std::fs::metadata(&volume.path).map_err(Error::reading(&volume.path))?;
+        let file = crate::density::volume::file_of(&volume.path).file;
+        std::fs::metadata(&file).map_err(Error::reading(&file))?;
     }
     Ok(Some((left, state)))
 }

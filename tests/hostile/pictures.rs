@@ -2,7 +2,7 @@
 
 use super::damage::{WORDS, cases, damaged, edits};
 use super::is_one_paragraph;
-use occlab::frame::{Frame, read_frame, read_image, write_frame};
+use occlab::frame::{Frame, read_frame, read_picture, write_frame};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -60,8 +60,51 @@ static EXRS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
             files.push(std::fs::read(&path).unwrap());
         }
     }
+    files.extend(layered(&path));
     files
 });
+
+/// A channel of a constant picture of 6 × 5 pixels.
+fn channel(name: &str) -> exr::prelude::AnyChannel<exr::prelude::FlatSamples> {
+    let samples = exr::prelude::FlatSamples::F32(vec![0.5; 30]);
+    exr::prelude::AnyChannel::new(name, samples)
+}
+
+/// Pictures of one named layer, of brightness alone, of two parts, and of other windows.
+fn layered(path: &Path) -> Vec<Vec<u8>> {
+    use exr::prelude::*;
+    let part = |name: &str, position: Vec2<i32>, channels: &[&str]| {
+        let list = AnyChannels::sort(channels.iter().copied().map(channel).collect());
+        let attributes = LayerAttributes {
+            layer_position: position,
+            ..LayerAttributes::named(name)
+        };
+        Layer::new((6, 5), attributes, Encoding::SMALL_LOSSLESS, list)
+    };
+    let display = |width, height| ImageAttributes::with_size((width, height));
+    let rgb = ["R", "G", "B"];
+    let images = [
+        (
+            display(6, 5),
+            vec![part("a", Vec2(0, 0), &["a.b.R", "a.b.G", "a.b.B", "Z"])],
+        ),
+        (display(6, 5), vec![part("a", Vec2(0, 0), &["Y", "A"])]),
+        (
+            display(6, 5),
+            vec![part("a", Vec2(0, 0), &["Z"]), part("b", Vec2(0, 0), &rgb)],
+        ),
+        (display(9, 9), vec![part("a", Vec2(2, 3), &rgb)]),
+        (display(3, 2), vec![part("a", Vec2(-2, -1), &rgb)]),
+    ];
+    let bytes = images.map(|(attributes, parts)| {
+        Image::from_layers(attributes, parts)
+            .write()
+            .to_file(path)
+            .unwrap();
+        std::fs::read(path).unwrap()
+    });
+    bytes.to_vec()
+}
 
 /// Small pictures of every colour type.
 static PNGS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
@@ -107,8 +150,8 @@ impl Folder {
 fn holds(name: &str, bytes: &[u8]) {
     let folder = Folder::new();
     let path = folder.write(name, bytes);
-    match read_image(&path) {
-        Ok(frame) => frame.check("read").unwrap(),
+    match read_picture(&path) {
+        Ok(picture) => picture.frame.check("read").unwrap(),
         Err(error) => assert!(is_one_paragraph(&error.to_string(), &path), "{error}"),
     }
 }
@@ -149,14 +192,25 @@ fn png(width: u32, height: u32, rest: [u8; 5], data: &[u8]) -> Vec<u8> {
     parts.concat()
 }
 
+const DATA_WINDOW: &[u8] = b"dataWindow\0box2i\0";
+const DISPLAY_WINDOW: &[u8] = b"displayWindow\0box2i\0";
+
 /// Replaces the data window and the display window of an EXR file by one from (0, 0) to `corner`.
 fn with_window(file: &[u8], corner: [i32; 2]) -> Vec<u8> {
+    let window = [0, 0, corner[0], corner[1]];
+    with_bounds(
+        &with_bounds(file, DATA_WINDOW, window),
+        DISPLAY_WINDOW,
+        window,
+    )
+}
+
+/// Replaces one window of an EXR file's first part: its first and its last column and row.
+fn with_bounds(file: &[u8], name: &[u8], window: [i32; 4]) -> Vec<u8> {
     let mut out = file.to_vec();
-    for name in [&b"dataWindow\0box2i\0"[..], b"displayWindow\0box2i\0"] {
-        let at = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
-        for (i, value) in [0, 0, corner[0], corner[1]].into_iter().enumerate() {
-            out[at + 4 * i..at + 4 * i + 4].copy_from_slice(&value.to_le_bytes());
-        }
+    let at = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
+    for (i, value) in window.into_iter().enumerate() {
+        out[at + 4 * i..at + 4 * i + 4].copy_from_slice(&value.to_le_bytes());
     }
     out
 }
@@ -185,6 +239,19 @@ proptest! {
     #[test]
     fn exr_windows_of_any_size(which in any::<prop::sample::Index>(), corner in prop::array::uniform2(select(&WORDS[..]))) {
         holds("a.exr", &with_window(&EXRS[which.index(EXRS.len())], corner.map(|v| v as i32)));
+    }
+
+    /// Windows that lie anywhere: of any corners, or of the stored size at any place.
+    #[test]
+    fn exr_windows_that_differ(
+        which in any::<prop::sample::Index>(), display in any::<bool>(), corners in prop::array::uniform4(select(&WORDS[..])),
+        size in (1_i32..40, 1_i32..40), at in (-50_i32..50, -50_i32..50),
+    ) {
+        let file = &EXRS[which.index(EXRS.len())];
+        let name = if display { DISPLAY_WINDOW } else { DATA_WINDOW };
+        holds("a.exr", &with_bounds(file, name, corners.map(|v| v as i32)));
+        let window = [at.0, at.1, at.0 + size.0 - 1, at.1 + size.1 - 1];
+        holds("a.exr", &with_bounds(file, name, window));
     }
 
     #[test]
@@ -218,7 +285,7 @@ proptest! {
 }
 
 fn refusal(path: &Path) -> String {
-    let message = read_image(path).unwrap_err().to_string();
+    let message = read_picture(path).unwrap_err().to_string();
     assert!(is_one_paragraph(&message, path), "{message}");
     message
 }
@@ -277,5 +344,5 @@ fn pictures_of_one_colour_are_read_however_well_they_compress() {
     }
     let path = folder.0.path().join("a.png");
     image::GrayImage::new(4096, 4096).save(&path).unwrap();
-    assert_eq!(read_image(&path).unwrap().width, 4096);
+    assert_eq!(read_picture(&path).unwrap().frame.width, 4096);
 }

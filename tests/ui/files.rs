@@ -5,7 +5,7 @@ use super::program::{occlab, stderr, workplace};
 use super::window::{Window, live, says, settle, tiny_state, until, window, window_of};
 use eframe::egui::{Event, Key, Modifiers, OutputCommand, Theme, accesskit::Role};
 use egui_kittest::kittest::Queryable;
-use occlab::frame::{read_frame, read_image};
+use occlab::frame::{read_frame, read_picture};
 use occlab::live::State;
 use occlab::scene::Density;
 use occlab::ui::{App, Mode, Purpose};
@@ -88,7 +88,7 @@ fn a_picture_is_exported_and_copied_as_it_is() {
     );
     let png = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
     assert_eq!(png.into_raw(), drawn.rgb.pixels);
-    assert!(read_image(&folder.path().join("a.png")).is_ok());
+    assert!(read_picture(&folder.path().join("a.png")).is_ok());
 
     window.event(Event::Copy);
     window.step();
