@@ -1,6 +1,7 @@
 //! `occlab diff`.
 
 use super::{print_path, say};
+use occlab::Error;
 use occlab::frame::{false_colour, read_image, write_png};
 use occlab::metrics::{compare, delta_luminance, mean_sun};
 use std::path::PathBuf;
@@ -26,7 +27,7 @@ pub struct Diff {
 impl Diff {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let (reference, test) = (read_image(&self.reference)?, read_image(&self.test)?);
-        let comparison = compare(&reference, &test)?;
+        let comparison = compare(&reference, &test).map_err(Error::from)?;
         let mut numbers = serde_json::to_value(comparison.error)?;
         numbers["cloud_pixel_fraction"] = comparison.cloud_pixel_fraction.into();
         if self.json {
@@ -37,7 +38,7 @@ impl Diff {
             }
         }
         if let Some(out) = &self.out {
-            let scale = self.scale * mean_sun(&reference)? as f32;
+            let scale = self.scale * mean_sun(&reference).map_err(Error::from)? as f32;
             let delta = delta_luminance(&reference, &test)?;
             write_png(
                 out,
