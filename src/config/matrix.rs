@@ -282,18 +282,14 @@ fn blame(
         Some((axis, _)) if fault.part == Part::Key && axis.target == fault.pointer => {
             document.error_at_key(&axis.place, problem, fault.remedy)
         }
-        Some((_, (place, _)))
-            if problem.contains("expected an array") || problem.contains("expected a sequence") =>
-        {
-            document.error(
-                place,
-                problem,
-                format!(
-                    "To vary a member that is a list, give a list of lists. {}",
-                    fault.remedy
-                ),
-            )
-        }
+        Some((_, (place, _))) if fault.wants_list => document.error(
+            place,
+            problem,
+            format!(
+                "To vary a member that is a list, give a list of lists. {}",
+                fault.remedy
+            ),
+        ),
         Some((_, (place, _))) => document.error(place, problem, fault.remedy),
     }
 }

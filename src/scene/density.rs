@@ -80,6 +80,7 @@ pub struct Volume {
     /// `.npy` file (f16, f32, f64 or u8, C order, three axes), relative to the scene file; `--volume` overrides it.
     pub path: PathBuf,
     /// Index (0, 1, 2) of the array axis that points up. Of the others the earlier is world z, the later world x.
+    #[schemars(range(max = 2))]
     pub up_axis: u8,
 }
 

@@ -11,12 +11,27 @@ fn bad_experiment_members_are_located() {
     );
     has(
         &error("name", "7"),
-        &["e.json:1:9 (at /name)", "invalid type"],
+        &[
+            "e.json:1:9 (at /name)",
+            "the value is 7, allowed is a text in quotes",
+        ],
     );
     has(&error("name", "\"\""), &["(at /name)", "1 to 200"]);
     has(&error("runs", "0"), &["(at /runs)", "1…10000"]);
-    has(&error("runs", "-1"), &["(at /runs)"]);
-    has(&error("discard", "1.5"), &["(at /discard)"]);
+    has(
+        &error("runs", "-1"),
+        &[
+            "(at /runs)",
+            "the value is -1, allowed is a whole number, 1…10000",
+        ],
+    );
+    has(
+        &error("discard", "1.5"),
+        &[
+            "(at /discard)",
+            "the value is 1.5, allowed is a whole number",
+        ],
+    );
     has(
         &error("discard", "0"),
         &[
@@ -46,7 +61,10 @@ fn bad_experiment_members_are_located() {
     has(&error("ghosting", "[]"), &["(at /ghosting)", "empty"]);
     has(
         &error("ghosting", "\"sun\""),
-        &["(at /ghosting)", "`pan`", "`dolly`"],
+        &[
+            "(at /ghosting)",
+            "the value is \"sun\", allowed is one of `pan`, `dolly`",
+        ],
     );
     has(
         &error("ghosting", "[\"pan\", \"pan\"]"),
@@ -67,7 +85,14 @@ fn bad_experiment_members_are_located() {
     );
     has(
         &error("image", r#"[{"width": 4, "height": -9}]"#),
-        &["(at /image/0/height)"],
+        &["(at /image/0/height)", "a whole number, 1 or more"],
+    );
+    has(
+        &error("image", "[4]"),
+        &[
+            "(at /image/0)",
+            "the value is 4, allowed is an object with `width`, `height`",
+        ],
     );
     has(
         &error("image", r#"{"width": 4, "hight": 9}"#),
