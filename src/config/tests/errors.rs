@@ -1,5 +1,6 @@
 use super::*;
 use serde_json::json;
+use std::path::Path;
 
 #[test]
 fn bad_experiment_members_are_located() {
@@ -263,4 +264,28 @@ fn the_cap_is_checked_before_anything_is_built() {
         .expect_err("cap")
         .to_string();
     has(&message, &["exceed 100000 cells", "split"]);
+}
+
+#[test]
+fn a_case_about_parameters_without_effect_is_refused() {
+    let file = |params: &str| {
+        let extremes =
+            format!(r#"[{{"group": "g", "name": "n", "scene": "slab", "params": {params}}}]"#);
+        let image = r#"{"width": 4, "height": 3}"#;
+        format!(
+            r#"{{"name": "s", "image": {image}, "scenes": {{"slab": {SCENE}}}, "extremes": {extremes}}}"#
+        )
+    };
+    let read = |params| parse_stability(Path::new("s.json"), file(params), Path::new("out"), &Mock);
+    for good in [
+        r#"{"lookup": "hardware", "reach": 5}"#,
+        r#"{"steps": 5}"#,
+        "{}",
+    ] {
+        assert!(read(good).is_ok(), "{good}");
+    }
+    for idle in [r#"{"reach": 5}"#, r#"{"lookup": "hardware", "steps": 5}"#] {
+        let message = read(idle).expect_err(idle).to_string();
+        has(&message, &["(at /extremes/0/params)", "where they apply"]);
+    }
 }
