@@ -6,6 +6,13 @@ use std::path::{Path, PathBuf};
 /// Most characters of one part of a message: a key of a megabyte must not fill the terminal.
 const MAX_PART_CHARS: usize = 1000;
 
+/// What a defect's message ends with: what to report, and where.
+pub(crate) const REPORT: &str = concat!(
+    "This is a defect of occlab ",
+    env!("CARGO_PKG_VERSION"),
+    ", not of your input: please report this message, with the command and the files it read, where you got the program."
+);
+
 /// Everything that can go wrong in the core. The program prints it as one paragraph and exits with 2.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -39,7 +46,8 @@ pub enum Error {
         /// What to do about it.
         remedy: String,
     },
-    /// A shader does not compose or validate; carries the original file and line.
+    /// A shader does not compose or validate, or does not fit what is bound to it; carries the original file and line.
+    /// Of the program's own shaders the message says that this is a defect.
     #[error("shader {file}: {message}")]
     Shader {
         /// WGSL file the user can open.
@@ -54,6 +62,14 @@ pub enum Error {
         path: PathBuf,
         /// What is wrong and what would be accepted.
         message: String,
+    },
+    /// The program contradicts itself: nothing that a user, a file or a driver can cause.
+    #[error("{}: {}. {REPORT}", Line(place), Line(problem))]
+    Defect {
+        /// The part of the program.
+        place: String,
+        /// What it found, without a full stop.
+        problem: String,
     },
     /// The user or a front end asked to stop.
     #[error("stopped on request; finished cells are kept, run the same command to go on")]
@@ -107,13 +123,19 @@ impl Error {
         }
     }
 
+    /// An [`Error::Defect`].
+    pub fn defect(place: impl Into<String>, problem: impl Display) -> Self {
+        Self::Defect {
+            place: place.into(),
+            problem: problem.to_string(),
+        }
+    }
+
     /// Whether it concerns one cell or view alone, so that a batch records it there and goes on: the adapter, the
-    /// input, a shader. A disk that fails or a wish to stop concerns all.
+    /// input. A disk that fails or a wish to stop concerns all. So does a defect, and a shader that does not compile: a
+    /// batch runs the program's own, and recorded in a cell it would read like something the user did.
     pub fn concerns_one_cell(&self) -> bool {
-        matches!(
-            self,
-            Self::Gpu { .. } | Self::Input { .. } | Self::Shader { .. }
-        )
+        matches!(self, Self::Gpu { .. } | Self::Input { .. })
     }
 
     /// Closure for `map_err` after a failed read of `path`.
@@ -154,5 +176,15 @@ mod tests {
         let io = Error::reading(path)(std::io::ErrorKind::NotFound.into());
         assert!(io.to_string().starts_with("a\\nb: cannot read"));
         assert_eq!(Error::input("p", "q", "R.").to_string(), "p: q. R.");
+    }
+
+    #[test]
+    fn a_defect_says_what_to_report_and_is_never_the_failure_of_a_cell() {
+        let defect = Error::defect("charts", "a\nb");
+        let message = defect.to_string();
+        assert!(message.starts_with("charts: a\\nb. This is a defect of occlab "));
+        assert!(message.contains("report this message") && message.ends_with('.'));
+        assert!(!defect.concerns_one_cell());
+        assert!(Error::input("p", "q", "R.").concerns_one_cell());
     }
 }

@@ -291,6 +291,51 @@ fn a_volume_deleted_or_cut_between_two_runs_is_an_error_that_loses_nothing() {
 }
 
 #[test]
+fn a_value_of_the_command_line_is_answered_by_the_name_of_its_option() {
+    let folder =
+        workplace(|s, _| s["density"] = json!({"volume": {"path": "v.npy", "up_axis": 1}}));
+    let render = |arguments: &[&str]| {
+        let render = ["render", "--scene", "slab.json", "-o", "a.png"];
+        let mut command = occlab(folder.path());
+        command.args(render).args(arguments).output().unwrap()
+    };
+    let long = "x".repeat(5000);
+    let cases: [(&[&str], &[&str]); 5] = [
+        (
+            &["--sun-elevation=-3"],
+            &["error: --sun-elevation: ", "above the horizon"],
+        ),
+        (&["--volume", &long], &["error: --volume: ", "4096"]),
+        (&["-m", "smr"], &["error: --method: ", "`smr`", "srm"]),
+        (
+            &["-m", "srm", "--set", "steps=0"],
+            &["error: --set steps=0: ", "1…1000"],
+        ),
+        (
+            &["-m", "srm", "--set", "stops=3"],
+            &["error: --set stops=3: "],
+        ),
+    ];
+    for (arguments, words) in cases {
+        let output = render(arguments);
+        refused(&output, words);
+        assert!(!stderr(&output).contains("slab.json"), "{words:?}");
+    }
+    // The volume is absent: what comes before is the note, and the order of the parameters is no matter.
+    let idle = render(&["-m", "srm", "--set", "reach_m=300", "spacing=uniform"]);
+    let note = "note: `reach_m` has no effect: it applies where spacing = uniform_reach";
+    assert!(stderr(&idle).contains(note), "{}", stderr(&idle));
+    let used = render(&["-m", "srm", "--set", "reach_m=300", "spacing=uniform_reach"]);
+    assert!(!stderr(&used).contains("note:"), "{}", stderr(&used));
+    let broken = workplace(|s, _| s["sun"]["elevation_deg"] = json!(-3));
+    let output = occlab(broken.path())
+        .args(["render", "--scene", "slab.json", "-o", "a.png"])
+        .args(["--sun-elevation", "30"])
+        .output();
+    refused(&output.unwrap(), &["slab.json:", "/sun/elevation_deg"]);
+}
+
+#[test]
 fn lists_are_complete() {
     let folder = tempfile::tempdir().unwrap();
     let output = occlab(folder.path())

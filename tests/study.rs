@@ -156,7 +156,7 @@ fn a_study_decides_what_it_can_and_resumes_after_a_kill() {
 #[test]
 fn wrong_study_files_are_refused_with_their_place() {
     type Edit = fn(&mut Value);
-    let cases: [(Edit, &[&str]); 11] = [
+    let cases: [(Edit, &[&str]); 12] = [
         (
             |s| s["claim"] = json!([]),
             &["tiny.json:", "unknown field `claim`", "claims"],
@@ -168,6 +168,13 @@ fn wrong_study_files_are_refused_with_their_place() {
         (
             |s| s["profiles"]["quick"]["values"]["spare"] = json!(1),
             &["tiny.json:", "nothing uses `$spare`"],
+        ),
+        (
+            |s| s["profiles"]["quick"]["values"]["image"] = json!({"width": 0, "height": 9}),
+            &[
+                "(at /profiles/quick/values/image/width, used at /experiments/0/matrix/image/width)",
+                "allowed is 1…8192",
+            ],
         ),
         (
             |s| s["experiments"][1]["matrix"]["methods"][0]["step"] = json!(1),
@@ -194,7 +201,11 @@ fn wrong_study_files_are_refused_with_their_place() {
         ),
         (
             |s| s["profiles"] = json!({"slow": {"about": "x"}}),
-            &["tiny.json:", "no profile `quick`", "slow"],
+            &[
+                "error: --profile: ",
+                "no profile `quick`",
+                "tiny.json: slow",
+            ],
         ),
         (
             |s| s["claims"][3]["checks"][0]["test"]["gain"]["metric"] = json!("rel_rms"),

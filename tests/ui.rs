@@ -128,6 +128,21 @@ fn a_parameter_can_be_changed_undone_and_done_again() {
     }
 }
 
+#[test]
+fn a_parameter_has_a_control_where_it_applies() {
+    needs_adapter!();
+    for (spacing, applies) in [("uniform", false), ("uniform_reach", true)] {
+        let mut state = tiny_state();
+        let [srm, _] = state.methods.clone();
+        state.methods[0] = srm.with("spacing", spacing).unwrap();
+        let mut window = window(state);
+        window.run_steps(3);
+        let shown = |name: &str| window.query_all_by_label(name).count() > 0;
+        assert!(shown("spacing"));
+        assert_eq!(shown("reach_m"), applies, "{spacing}");
+    }
+}
+
 fn copy_folder(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap() {

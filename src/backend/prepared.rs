@@ -36,10 +36,9 @@ enum Kind<'v> {
 
 /// A view was handed to a backend that did not make it.
 pub(super) fn stranger() -> Error {
-    Error::input(
+    Error::defect(
         "backend",
         "a view of a device was given to the oracle, or the reverse",
-        "This is a defect of the program; please report it.",
     )
 }
 
@@ -156,9 +155,5 @@ impl<'v> Prepared<'v> {
 }
 
 pub(super) fn unrendered() -> Error {
-    Error::input(
-        "backend",
-        "a picture was asked for before it was rendered",
-        "Run the command again; if it repeats, report it as a defect of the program.",
-    )
+    Error::defect("backend", "a picture was asked for before it was rendered")
 }

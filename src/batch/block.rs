@@ -278,7 +278,7 @@ impl<'a> Bench<'a> {
     fn measure(&mut self, run: Run, block: usize) -> Result<Cell> {
         let frame = run
             .frame
-            .ok_or_else(|| Error::gpu("the cell was never rendered", "Run the batch again."))?;
+            .ok_or_else(|| Error::defect("batch", "a cell was never rendered"))?;
         let id = cell_id(self.matrix, run.spec);
         let comparison = compare(&self.truth.frame, &frame)?;
         let (counts, counting_s) = run.prepared.counts(&mut unwatched)?;

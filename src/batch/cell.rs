@@ -6,7 +6,7 @@ use super::{Event, Observer, Task, tell};
 use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::metrics::summarise;
-use crate::occlusion::{MethodSetup, find};
+use crate::occlusion::MethodSetup;
 use crate::raymarch::PassTimes;
 use serde_json::{Value, json};
 
@@ -35,10 +35,7 @@ fn digest(value: &Value) -> String {
 
 /// The method of a cell with its parameters.
 pub(super) fn setup(spec: &CellSpec) -> Result<MethodSetup> {
-    Ok(MethodSetup {
-        method: find(&spec.method)?,
-        params: spec.params.clone(),
-    })
+    MethodSetup::of(&spec.method, &spec.params)
 }
 
 /// Statistics of each pass over the timed rounds.

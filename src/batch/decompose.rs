@@ -76,11 +76,7 @@ impl Decomposer {
         }
         match best {
             Some((_, made)) => Ok(made),
-            None => Err(Error::input(
-                "decompose",
-                "the oracle knows no filter",
-                "This is a defect of the program; please report it.",
-            )),
+            None => Err(Error::defect("decompose", "the oracle knows no filter")),
         }
     }
 

@@ -1,6 +1,7 @@
 //! `occlab diff`.
 
 use super::{print_path, say};
+use occlab::Error;
 use occlab::frame::{Picture, false_colour, read_picture, write_png};
 use occlab::metrics::{compare, delta_luminance, mean_sun};
 use std::path::PathBuf;
@@ -31,7 +32,7 @@ impl Diff {
             eprintln!("{note}");
         }
         let (reference, test) = (reference.frame, test.frame);
-        let comparison = compare(&reference, &test)?;
+        let comparison = compare(&reference, &test).map_err(Error::from)?;
         let mut numbers = serde_json::to_value(comparison.error)?;
         numbers["cloud_pixel_fraction"] = comparison.cloud_pixel_fraction.into();
         if self.json {
@@ -42,7 +43,7 @@ impl Diff {
             }
         }
         if let Some(out) = &self.out {
-            let scale = self.scale * mean_sun(&reference)? as f32;
+            let scale = self.scale * mean_sun(&reference).map_err(Error::from)? as f32;
             let delta = delta_luminance(&reference, &test)?;
             write_png(
                 out,

@@ -33,11 +33,15 @@ pub fn methods(options: &Json) -> anyhow::Result<ExitCode> {
                 format!(" {}", spec.unit)
             };
             say(format!(
-                "    {} = {}{unit}    [{}]\n        {}",
+                "    {} = {}{unit}    [{}]\n        {}{}",
                 spec.name,
                 spec.default_value(),
                 spec.range_text(),
-                spec.doc
+                spec.doc,
+                match spec.applies.words() {
+                    Some(condition) => format!(" Applies where {condition}."),
+                    None => String::new(),
+                }
             ))?;
         }
         say("")?;
@@ -48,7 +52,7 @@ pub fn methods(options: &Json) -> anyhow::Result<ExitCode> {
 fn method_json(info: &occlab::occlusion::MethodInfo) -> Value {
     let params: Vec<_> = info
         .specs()
-        .map(|s| json!({"name": s.name, "unit": s.unit, "range": s.range_text(), "default": s.default_value(), "doc": s.doc}))
+        .map(|s| json!({"name": s.name, "unit": s.unit, "range": s.range_text(), "default": s.default_value(), "doc": s.doc, "applies_where": s.applies.words()}))
         .collect();
     json!({"id": info.id, "title": info.title, "citation": info.citation, "params": params})
 }

@@ -95,6 +95,12 @@ impl Render {
             };
             setup = setup.with(name, value)?;
         }
+        let named = self.set.iter().filter_map(|pair| pair.split_once('='));
+        for note in named.filter_map(|(name, _)| setup.idle_note(name)) {
+            if !self.device.quiet {
+                eprintln!("note: {note}");
+            }
+        }
         Ok(setup)
     }
 }

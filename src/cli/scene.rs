@@ -2,7 +2,7 @@
 
 use occlab::Error;
 use occlab::config::load_scene;
-use occlab::scene::{Density, ImageSize, Scene};
+use occlab::scene::{Density, ImageSize, Problem, Scene};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -71,8 +71,22 @@ impl SceneOptions {
         }
         scene
             .validate()
-            .map_err(|problem| problem.at(&path.display().to_string()))?;
+            .map_err(|problem| self.blame(problem, path))?;
         Ok(scene)
+    }
+
+    /// A problem at the option that gave the value, else in the file.
+    fn blame(&self, problem: Problem, path: &Path) -> Error {
+        let option = match problem.pointer.as_str() {
+            "/sun/elevation_deg" if self.sun_elevation.is_some() => "--sun-elevation",
+            "/density/volume/path" if self.volume.is_some() => "--volume",
+            _ => return problem.at(&path.display().to_string()),
+        };
+        Error::input(
+            option,
+            problem.message,
+            "Give another value, or leave the option out.",
+        )
     }
 }
 

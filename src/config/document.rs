@@ -1,12 +1,15 @@
 //! A JSON file in memory: its text for places, its value for meaning.
 
 use super::locate::{self, LineCol, Part};
-use super::suggest;
+use super::wanted;
 use crate::error::{Error, Result};
 use crate::scene::Problem;
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_path_to_error::Segment;
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,6 +27,8 @@ pub struct Document {
     value: Value,
     /// JSON pointer of `value` in the file; empty for a whole file.
     base: String,
+    /// Places whose value stands elsewhere in the file, and where.
+    origins: Arc<BTreeMap<String, String>>,
 }
 
 /// A problem inside a JSON value, not yet bound to a file.
@@ -37,10 +42,12 @@ pub(super) struct Fault {
     pub problem: String,
     /// What to do, a full sentence.
     pub remedy: String,
+    /// Whether a list belongs there.
+    pub wants_list: bool,
 }
 
 impl Fault {
-    fn new(
+    pub fn new(
         part: Part,
         pointer: impl Into<String>,
         problem: impl Into<String>,
@@ -51,6 +58,7 @@ impl Fault {
             part,
             problem: problem.into(),
             remedy: remedy.into(),
+            wants_list: false,
         }
     }
 }
@@ -122,6 +130,7 @@ impl Document {
             text: text.into(),
             value,
             base: String::new(),
+            origins: Arc::default(),
         })
     }
 
@@ -138,7 +147,24 @@ impl Document {
             text: self.text.clone(),
             value,
             base: format!("{}{base}", self.base),
+            origins: self.origins.clone(),
         }
+    }
+
+    /// The file with other values at some places, each with the pointer to where the new value stands in the file.
+    pub(super) fn filled(&self, value: Value, origins: BTreeMap<String, String>) -> Self {
+        Self {
+            origins: origins.into(),
+            ..self.part(value, "")
+        }
+    }
+
+    /// Where the value at `pointer` was written, if elsewhere.
+    fn origin(&self, pointer: &str) -> Option<String> {
+        self.origins.iter().find_map(|(place, origin)| {
+            let rest = pointer.strip_prefix(place.as_str())?;
+            (rest.is_empty() || rest.starts_with('/')).then(|| format!("{origin}{rest}"))
+        })
     }
 
     /// The whole file as it was read, or the part of it that this document is.
@@ -183,18 +209,16 @@ impl Document {
 
     pub(super) fn fault(&self, fault: Fault) -> Error {
         let pointer = format!("{}{}", self.base, fault.pointer);
-        let place = locate::position(&self.text, &pointer, fault.part);
-        error_at(
-            &self.path,
-            place,
-            Some(&pointer),
-            fault.problem,
-            fault.remedy,
-        )
+        let (written, shown) = match self.origin(&pointer) {
+            Some(origin) => (origin.clone(), format!("{origin}, used at {pointer}")),
+            None => (pointer.clone(), pointer),
+        };
+        let place = locate::position(&self.text, &written, fault.part);
+        error_at(&self.path, place, Some(&shown), fault.problem, fault.remedy)
     }
 
     /// The value at `pointer` as a `T`.
-    pub(super) fn get<T: DeserializeOwned>(&self, pointer: &str) -> Result<T> {
+    pub(super) fn get<T: DeserializeOwned + JsonSchema>(&self, pointer: &str) -> Result<T> {
         let value = self.value.pointer(pointer).unwrap_or(&Value::Null);
         deserialize(value).map_err(|fault| {
             self.fault(Fault {
@@ -224,23 +248,19 @@ impl Document {
 }
 
 /// `value` as a `T`, with a JSON pointer to what does not fit.
-pub(super) fn deserialize<T: DeserializeOwned>(value: &Value) -> Result<T, Fault> {
+pub(super) fn deserialize<T: DeserializeOwned + JsonSchema>(value: &Value) -> Result<T, Fault> {
     serde_path_to_error::deserialize(value).map_err(|e| {
-        let problem = e.inner().to_string();
-        let part = if problem.starts_with("unknown field") {
-            Part::Key
-        } else {
-            Part::Value
-        };
         let mut pointer: String = e.path().iter().map(pointer_step).collect();
         while value.pointer(&pointer).is_none() {
             pointer.truncate(pointer.rfind('/').unwrap_or(0));
         }
+        let settings = SchemaSettings::draft2020_12();
+        let schema = settings.into_generator().into_root_schema_for::<T>();
+        let message = e.inner().to_string();
+        let fault = wanted::fault(schema.as_value(), value, &pointer, &message);
         Fault {
-            pointer,
-            part,
-            remedy: format!("{}{SCHEMA_HINT}", suggestion(&problem)),
-            problem,
+            remedy: format!("{}{SCHEMA_HINT}", fault.remedy),
+            ..fault
         }
     })
 }
@@ -251,15 +271,6 @@ fn pointer_step(segment: &Segment) -> String {
         Segment::Map { key } => locate::step(key),
         Segment::Enum { variant } => locate::step(variant),
         Segment::Unknown => String::new(),
-    }
-}
-
-/// serde writes "unknown field `x`, expected one of `a`, `b`": the first quoted word is wrong, the others are allowed.
-fn suggestion(problem: &str) -> String {
-    let mut quoted = problem.split('`').skip(1).step_by(2);
-    match quoted.next() {
-        Some(word) if problem.starts_with("unknown ") => suggest::sentence(word, quoted),
-        _ => String::new(),
     }
 }
 

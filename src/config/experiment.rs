@@ -21,7 +21,8 @@
 //! A scene is a path relative to the experiment file, or a whole scene written in its place.
 //!
 //! Every other value that can vary is one value or a list; lists multiply. A value that is itself an array
-//! (a position) is varied by a list of arrays.
+//! (a position) is varied by a list of arrays. Values of a parameter that does not apply make no cells of their own; a list
+//! of them that applies nowhere is refused.
 
 use super::document::Document;
 use super::locate;
@@ -29,6 +30,7 @@ use super::matrix::MAX_CELLS;
 use super::scenes::{Axis, SceneEntry, scenes};
 use crate::error::Result;
 use crate::scene::{CameraTrack, ImageSize, Reconstruct, Track, check_name};
+use schemars::JsonSchema;
 use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::Value;
 use std::path::Path;
@@ -83,15 +85,18 @@ pub struct MethodEntry {
     pub params: Vec<(String, Vec<(String, Value)>)>,
 }
 
-#[derive(Deserialize)]
+/// The members and which of them must be there; what varies is checked when the lists are taken apart.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct File {
     name: String,
     #[serde(rename = "image")]
     _image: Value,
     #[serde(default = "default_runs")]
+    #[schemars(range(min = 1, max = 10000))]
     runs: u32,
     #[serde(default = "default_discard")]
+    #[schemars(range(min = 1, max = 10000))]
     discard: u32,
     #[serde(default)]
     flicker: Option<Value>,
@@ -226,7 +231,10 @@ fn check_lists(document: &Document) -> Result<()> {
 }
 
 /// One of a few words, or a list without repeats.
-fn distinct<T: DeserializeOwned + PartialEq>(document: &Document, pointer: &str) -> Result<Vec<T>> {
+fn distinct<T: DeserializeOwned + JsonSchema + PartialEq>(
+    document: &Document,
+    pointer: &str,
+) -> Result<Vec<T>> {
     let mut words = Vec::new();
     for (place, _) in document.one_or_many(pointer)? {
         let word = document.get(&place)?;

@@ -23,7 +23,7 @@ pub const MAX_CELLS: usize = 100_000;
 pub struct Matrix {
     /// Views in matrix order, no two alike.
     pub views: Vec<View>,
-    /// Remarks for the person who wrote the file: duplicates that were dropped.
+    /// Remarks for the person who wrote the file: duplicates that were dropped, parameters without effect.
     pub notes: Vec<String>,
 }
 
@@ -47,7 +47,7 @@ pub struct CellSpec {
     pub index: usize,
     /// Method id.
     pub method: String,
-    /// Every parameter of the method, defaults included.
+    /// Every parameter of the method that applies, defaults included.
     pub params: Params,
     /// How its pictures come about.
     pub reconstruct: Reconstruct,
@@ -138,16 +138,19 @@ fn check_size(experiment: &Experiment, methods: &[MethodAxes]) -> Result<()> {
         .error("", problem, "Shorten the lists or split the experiment."))
 }
 
-/// All method settings of a view, without duplicates.
+/// All method settings of a view, without duplicates: settings that differ in what does not apply are one.
 fn settings(methods: &[MethodAxes], notes: &mut Vec<String>) -> Result<Vec<(String, Params)>> {
-    let mut seen = HashSet::new();
+    let (mut seen, mut listed) = (HashSet::new(), HashSet::new());
     let mut all = Vec::new();
     for method in methods {
+        notes.extend(method.notes());
         for n in 0..method.count() {
-            let params = method.setting(n);
+            let setting = method.setting(n);
+            let params = method.applying(&setting);
+            let repeated = !listed.insert(key(&(&method.id, &setting))?);
             if seen.insert(key(&(&method.id, &params))?) {
                 all.push((method.id.clone(), params));
-            } else {
+            } else if repeated {
                 notes.push(format!(
                     "{} {} repeats an earlier setting and is dropped",
                     method.id,
@@ -160,13 +163,7 @@ fn settings(methods: &[MethodAxes], notes: &mut Vec<String>) -> Result<Vec<(Stri
 }
 
 fn key(value: &impl serde::Serialize) -> Result<String> {
-    serde_json::to_string(value).map_err(|e| {
-        Error::input(
-            "matrix",
-            e.to_string(),
-            "Report this as a defect with the experiment file.",
-        )
-    })
+    serde_json::to_string(value).map_err(|e| Error::defect("matrix", e))
 }
 
 /// An axis and the value picked from it, with that value's place.
@@ -282,18 +279,14 @@ fn blame(
         Some((axis, _)) if fault.part == Part::Key && axis.target == fault.pointer => {
             document.error_at_key(&axis.place, problem, fault.remedy)
         }
-        Some((_, (place, _)))
-            if problem.contains("expected an array") || problem.contains("expected a sequence") =>
-        {
-            document.error(
-                place,
-                problem,
-                format!(
-                    "To vary a member that is a list, give a list of lists. {}",
-                    fault.remedy
-                ),
-            )
-        }
+        Some((_, (place, _))) if fault.wants_list => document.error(
+            place,
+            problem,
+            format!(
+                "To vary a member that is a list, give a list of lists. {}",
+                fault.remedy
+            ),
+        ),
         Some((_, (place, _))) => document.error(place, problem, fault.remedy),
     }
 }

@@ -16,6 +16,7 @@ pub trait MethodCatalogue {
 /// A method with its checked axes.
 pub(super) struct MethodAxes {
     pub id: String,
+    specs: Vec<&'static ParamSpec>,
     defaults: Params,
     axes: Vec<(&'static str, Vec<ParamValue>)>,
 }
@@ -28,7 +29,44 @@ impl MethodAxes {
             .fold(1, |n, (_, values)| n.saturating_mul(values.len()))
     }
 
-    /// Setting `n` of `count`: the first parameter in the file is the slowest.
+    /// What to say of listed parameters that have no effect at some settings, or at any.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for spec in self.specs.iter().filter(|spec| self.lists(spec.name)) {
+            let (Some(of), Some(condition)) = (spec.applies.decided_by(), spec.applies.words())
+            else {
+                continue;
+            };
+            let (id, name) = (&self.id, spec.name);
+            let (applies, idle): (Vec<_>, Vec<_>) =
+                self.values(of).partition(|value| spec.applies.at(*value));
+            if applies.is_empty() {
+                notes.push(format!(
+                    "{id}: `{name}` has no effect: it applies where {condition}"
+                ));
+            } else if !idle.is_empty() {
+                notes.push(format!(
+                    "{id}: `{name}` applies where {condition}; elsewhere its values are one setting"
+                ));
+            }
+        }
+        notes
+    }
+
+    fn lists(&self, name: &str) -> bool {
+        self.axes.iter().any(|(axis, _)| *axis == name)
+    }
+
+    /// The values that a parameter takes: those listed, or its default.
+    fn values(&self, name: &str) -> impl Iterator<Item = ParamValue> {
+        let listed = self.axes.iter().find(|(axis, _)| *axis == name);
+        let listed = listed.map(|(_, values)| values.clone());
+        listed
+            .unwrap_or_else(|| self.defaults.get(name).into_iter().collect())
+            .into_iter()
+    }
+
+    /// Setting `n` of `count`: the first parameter in the file is the slowest. Complete, whether all of it applies or not.
     pub fn setting(&self, mut n: usize) -> Params {
         let mut params = self.defaults.clone();
         for (name, values) in self.axes.iter().rev() {
@@ -36,6 +74,11 @@ impl MethodAxes {
             n /= values.len();
         }
         params
+    }
+
+    /// What of a setting applies.
+    pub fn applying(&self, setting: &Params) -> Params {
+        setting.applying(self.specs.iter().copied())
     }
 }
 
@@ -94,11 +137,40 @@ fn check_entry(
         };
         axes.push((spec.name, values.iter().map(parse).collect::<Result<_>>()?));
     }
-    Ok(MethodAxes {
+    let axes = MethodAxes {
         id: entry.id.clone(),
-        defaults: Params::defaults(specs.into_iter()),
+        defaults: Params::defaults(specs.iter().copied()),
+        specs,
         axes,
-    })
+    };
+    check_effect(experiment, entry, &axes)?;
+    Ok(axes)
+}
+
+/// Refuses several values of a parameter that has no effect at any setting: they would be measured as one.
+fn check_effect(experiment: &Experiment, entry: &MethodEntry, axes: &MethodAxes) -> Result<()> {
+    for (name, values) in &axes.axes {
+        let Some(spec) = axes.specs.iter().find(|spec| spec.name == *name) else {
+            continue;
+        };
+        let (Some(of), Some(condition)) = (spec.applies.decided_by(), spec.applies.words()) else {
+            continue;
+        };
+        if values.len() < 2 || axes.values(of).any(|value| spec.applies.at(value)) {
+            continue;
+        }
+        let given: Vec<String> = axes.values(of).map(|value| value.to_string()).collect();
+        let problem = format!(
+            "`{name}` has no effect: it applies where {condition}, and `{of}` is {}",
+            given.join(", ")
+        );
+        let pointer = format!("{}{}", entry.place, locate::step(name));
+        let remedy = format!("Leave it out, or set {condition} too.");
+        return Err(experiment
+            .document()
+            .error_at_key(&pointer, problem, remedy));
+    }
+    Ok(())
 }
 
 fn quoted(names: &[&str]) -> String {

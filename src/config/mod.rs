@@ -19,6 +19,7 @@ mod study;
 mod suggest;
 #[cfg(test)]
 mod tests;
+mod wanted;
 
 pub use document::{Document, MAX_FILE_BYTES};
 pub use experiment::{Experiment, MethodEntry, load_experiment, parse_experiment};

@@ -3,6 +3,7 @@
 use super::document::{Document, MAX_FILE_BYTES};
 use super::locate;
 use crate::error::Result;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
@@ -30,7 +31,7 @@ pub struct Axis {
     pub values: Vec<(String, Value)>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct FileScene {
     scene: Value,

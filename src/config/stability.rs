@@ -13,7 +13,7 @@ use super::document::{Document, Fault, deserialize};
 use super::methods::MethodCatalogue;
 use super::{locate, matrix, suggest};
 use crate::error::Result;
-use crate::occlusion::param::{ParamSpec, ParamValue};
+use crate::occlusion::param::{ParamSpec, ParamValue, Params};
 use crate::scene::{ImageSize, Scene};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -176,6 +176,7 @@ fn from_document(
     let reader = Reader {
         document,
         specs: &specs,
+        catalogue,
         folder,
     };
     let extremes = (0..file.extremes.len())
@@ -261,6 +262,7 @@ fn settings(
 struct Reader<'a> {
     document: &'a Document,
     specs: &'a [&'static ParamSpec],
+    catalogue: &'a dyn MethodCatalogue,
     folder: &'a Path,
 }
 
@@ -270,6 +272,7 @@ impl Reader<'_> {
             document,
             specs,
             folder,
+            ..
         } = self;
         let place = format!("/extremes/{index}");
         let entry = &file.extremes[index];
@@ -309,15 +312,40 @@ impl Reader<'_> {
         };
         let image = entry.image.unwrap_or(file.image);
         check_image(document, &format!("{place}/image"), image)?;
+        let params = settings(document, &format!("{place}/params"), &entry.params, specs)?;
+        self.check_effect(&place, common, &params)?;
         Ok(Extreme {
             group: entry.group.clone(),
             name: entry.name.clone(),
             scene,
             image,
             common: common.clone(),
-            params: settings(document, &format!("{place}/params"), &entry.params, specs)?,
+            params,
             full_only: entry.full_only,
         })
+    }
+}
+
+impl Reader<'_> {
+    /// Refuses a case that is about parameters which no method has, or none at a setting where they apply.
+    fn check_effect(&self, place: &str, common: &Settings, params: &Settings) -> Result<()> {
+        let takes_part = |id: &&str| {
+            let specs = self.catalogue.params(id).unwrap_or_default();
+            let mut all = Params::defaults(specs.iter().copied());
+            let given = common.iter().chain(params);
+            for (name, value) in given.filter(|(name, _)| specs.iter().any(|s| s.name == **name)) {
+                all.set(name, *value);
+            }
+            let applying = all.applying(specs.iter().copied());
+            params.keys().all(|name| applying.get(name).is_some())
+        };
+        if params.is_empty() || self.catalogue.ids().iter().any(takes_part) {
+            return Ok(());
+        }
+        let problem = "no method has all of these parameters at a setting where they apply";
+        let remedy = "Leave one out or set what it depends on; `occlab methods` lists both.";
+        let place = format!("{place}/params");
+        Err(self.document.error(&place, problem, remedy))
     }
 }
 

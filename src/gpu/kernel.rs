@@ -76,6 +76,10 @@ pub struct Kernel {
 impl Kernel {
     /// Composes and compiles `program`; its only entry point becomes the kernel.
     pub fn new(gpu: &Gpu, program: &Program) -> Result<Self> {
+        Self::compile(gpu, program).map_err(|e| gpu.sources.blame(e))
+    }
+
+    fn compile(gpu: &Gpu, program: &Program) -> Result<Self> {
         let start = Instant::now();
         let mut module = compose(&gpu.sources, program)?;
         if gpu.info.driver == "llvmpipe" {
@@ -85,7 +89,7 @@ impl Kernel {
         let entry = module
             .entry_points
             .first()
-            .ok_or_else(|| defect(program.entry, "has no entry point"))?;
+            .ok_or_else(|| unusable(program.entry, "has no entry point"))?;
         let (workgroup, entry_name) = (entry.workgroup_size, entry.name.clone());
         let layouts = group_layouts(gpu, &bindings);
         let optional: Vec<_> = layouts.iter().map(Some).collect();
@@ -144,7 +148,8 @@ impl Kernel {
             .bindings
             .iter()
             .map(|b| self.resource_for(gpu, b, inputs))
-            .collect::<Result<Vec<_>>>()?;
+            .collect::<Result<Vec<_>>>()
+            .map_err(|e| gpu.sources.blame(e))?;
         let group = |(group, layout): (usize, &wgpu::BindGroupLayout)| {
             let own = self
                 .bindings
@@ -175,7 +180,7 @@ impl Kernel {
         }
         let values = inputs.iter().find_map(|i| i.uniforms.get(name));
         let values =
-            values.ok_or_else(|| defect(&self.label, format!("nothing is bound to `{name}`")))?;
+            values.ok_or_else(|| unusable(&self.label, format!("nothing is bound to `{name}`")))?;
         let bytes = pack(name, &binding.leaves, binding.size, values)?;
         Ok(Resource::Buffer(gpu.buffer(
             name,
@@ -208,7 +213,7 @@ fn binding_resource(resource: &Resource) -> wgpu::BindingResource<'_> {
     }
 }
 
-fn defect(file: &str, message: impl Into<String>) -> Error {
+fn unusable(file: &str, message: impl Into<String>) -> Error {
     Error::Shader {
         file: format!("shaders/{file}"),
         message: message.into(),
@@ -248,7 +253,7 @@ fn reflect(module: &Module, file: &str) -> Result<Vec<Binding>> {
     );
     let info = validator
         .validate(module)
-        .map_err(|e| defect(file, format!("{e:?}")))?;
+        .map_err(|e| unusable(file, format!("{e:?}")))?;
     let filtered: Vec<Handle<GlobalVariable>> = info
         .get_entry_point(0)
         .sampling_set
@@ -262,7 +267,7 @@ fn reflect(module: &Module, file: &str) -> Result<Vec<Binding>> {
         };
         let name = plain_name(variable.name.as_deref().unwrap_or_default());
         let ty = binding_type(module, variable, filtered.contains(&handle)).ok_or_else(|| {
-            defect(
+            unusable(
                 file,
                 format!("`{name}` has a kind of binding that the lab does not use"),
             )

@@ -19,12 +19,10 @@ pub fn read_buffer(gpu: &Gpu, source: &wgpu::Buffer, size: u64) -> Result<Vec<u8
 /// Texels of a texture (all layers or slices), rows tightly packed, x fastest.
 pub fn read_texture(gpu: &Gpu, source: &wgpu::Texture) -> Result<Vec<u8>> {
     let size = source.size();
-    let texel_bytes = source.format().block_copy_size(None).ok_or_else(|| {
-        Error::gpu(
-            "the texture's format cannot be read back",
-            "This is a defect; please report it.",
-        )
-    })?;
+    let texel_bytes = source
+        .format()
+        .block_copy_size(None)
+        .ok_or_else(|| Error::defect("read-back", "the texture's format cannot be read back"))?;
     let row_bytes = size.width * texel_bytes;
     let padded_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let total =

@@ -3,7 +3,7 @@
 //! Modules are named by their file (`map` is `shared/map.wgsl`). A program is an entry file plus roles that say which file plays a role (`container`, `density`, `occlusion`), so
 //! that every pipeline is specialised and holds no code of a feature its scene or method does not use.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, REPORT, Result};
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue,
     get_preprocessor_data,
@@ -99,6 +99,17 @@ impl Sources {
                 file: path.to_owned(),
                 message: "no such shader file is compiled in".into(),
             })
+    }
+
+    /// The same error; of the program's own shaders it says that this is a defect.
+    pub fn blame(&self, error: Error) -> Error {
+        match error {
+            Error::Shader { file, message } if *self == Self::embedded() => Error::Shader {
+                file,
+                message: format!("{}\n{REPORT}", message.trim_end()),
+            },
+            other => other,
+        }
     }
 
     /// Hash of every file: what makes a cached picture stale when a formula changes.

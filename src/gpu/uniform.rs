@@ -108,7 +108,7 @@ pub fn pack(
     size: u32,
     values: &[(String, UniformValue)],
 ) -> Result<Vec<u8>> {
-    let defect = |message: String| Error::Shader {
+    let unusable = |message: String| Error::Shader {
         file: format!("uniform `{name}`"),
         message,
     };
@@ -118,10 +118,11 @@ pub fn pack(
             .iter()
             .find(|(path, _)| *path == leaf.path)
             .map(|(_, v)| v);
-        let value = value.ok_or_else(|| defect(format!("member `{}` has no value", leaf.path)))?;
+        let value =
+            value.ok_or_else(|| unusable(format!("member `{}` has no value", leaf.path)))?;
         let (kind, data) = value.bytes();
         if kind != leaf.kind || data.len() != 4 * leaf.components as usize {
-            return Err(defect(format!(
+            return Err(unusable(format!(
                 "member `{}` is {:?}×{}, the value is {value:?}",
                 leaf.path, leaf.kind, leaf.components
             )));

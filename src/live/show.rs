@@ -244,7 +244,8 @@ impl<'a, 'w> Show<'a, 'w> {
         let (sender, frame) = (self.worker.sender.clone(), finished.frame.clone());
         let serial = self.request.serial;
         rayon::spawn(move || {
-            let compared = compare(&truth, &frame).and_then(|comparison| {
+            let compared = compare(&truth, &frame).map_err(Error::from);
+            let compared = compared.and_then(|comparison| {
                 let difference = Rgb {
                     width: frame.width,
                     height: frame.height,

@@ -3,7 +3,7 @@
 use crate::config::{Experiment, expand, load_experiment, load_scene, parse_experiment};
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
-use crate::occlusion::{MethodSetup, Registry, find};
+use crate::occlusion::{MethodSetup, Registry};
 use crate::scene::{Density, ImageSize, Scene};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -68,10 +68,7 @@ impl State {
         let cells = [view.cells.first(), view.cells.get(1).or(view.cells.first())];
         for (method, cell) in state.methods.iter_mut().zip(cells) {
             if let Some(cell) = cell {
-                *method = MethodSetup {
-                    method: find(&cell.method)?,
-                    params: cell.params.clone(),
-                };
+                *method = MethodSetup::of(&cell.method, &cell.params)?;
             }
         }
         Ok(state)
@@ -87,7 +84,7 @@ impl State {
         let mut methods: Vec<Value> = Vec::new();
         for setup in &self.methods {
             let mut entry = json!({ "method": setup.method.info().id });
-            for (name, value) in setup.params.iter() {
+            for (name, value) in setup.applying().iter() {
                 entry[name] = json!(value);
             }
             if !methods.contains(&entry) {

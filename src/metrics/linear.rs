@@ -1,8 +1,7 @@
 //! Errors of the sun-lit radiance, in linear light, over cloud pixels.
 
-use super::ErrorNumbers;
 use super::{CLOUD_OPACITY, EDGE_OPACITY};
-use crate::error::{Error, Result};
+use super::{ErrorNumbers, Unlit};
 use crate::frame::{Frame, is_nonfinite, nearest_rank};
 
 /// The linear half of a comparison; the perceptual fields of `error` are left at 0.
@@ -35,7 +34,7 @@ struct Sums {
 }
 
 /// Measures the sun-lit radiance and V of `test`; both frames have the same size and the reference is finite.
-pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear> {
+pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear, Unlit> {
     let mean = mean_sun(reference)?;
     let mut sums = Sums::default();
     let mut absolute = Vec::new();
@@ -80,8 +79,8 @@ pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear> {
 /// Mean L: the reference's sun-lit radiance averaged over the RGB channels of its cloud pixels, > 0, unit of radiance.
 ///
 /// It is the scale of `p99_abs`, `max_abs`, [`super::Flicker`] and of a false-colour picture. A reference without cloud
-/// pixels or without sunlight on them is an [`Error::Input`].
-pub fn mean_sun(reference: &Frame) -> Result<f64> {
+/// pixels or without sunlight on them has none.
+pub fn mean_sun(reference: &Frame) -> Result<f64, Unlit> {
     let (mut sum, mut channels) = (0.0, 0_usize);
     for (opacity, sun) in reference.radiance.iter().map(|p| p[3]).zip(&reference.sun) {
         if opacity > CLOUD_OPACITY {
@@ -90,19 +89,12 @@ pub fn mean_sun(reference: &Frame) -> Result<f64> {
         }
     }
     let mean = sum / channels as f64;
-    let refuse = |problem: &str| {
-        Err(Error::input(
-            "the reference",
-            problem,
-            "Point the camera at a sun-lit cloud.",
-        ))
-    };
     if channels == 0 {
-        refuse("no pixel has an opacity above 0.01, so there is nothing to measure")
+        Err(Unlit::NoCloud)
     } else if mean.is_finite() && mean > 0.0 {
         Ok(mean)
     } else {
-        refuse("no sunlight on its cloud pixels, so relative errors have no scale")
+        Err(Unlit::NoSunlight)
     }
 }
 

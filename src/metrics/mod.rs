@@ -14,6 +14,7 @@ mod ghosting;
 mod linear;
 mod numbers;
 mod perceptual;
+mod refusal;
 mod ssim;
 mod stats;
 
@@ -25,6 +26,7 @@ pub use ghosting::ghosting;
 pub use linear::mean_sun;
 pub use numbers::ErrorNumbers;
 pub use perceptual::PIXELS_PER_DEGREE;
+pub use refusal::{Incomparable, Unlit};
 pub use stats::{Stats, Thirds, summarise, thirds};
 
 use crate::error::{Error, Result};
@@ -64,7 +66,7 @@ pub struct Comparison {
 /// | `nonfinite` | NaN or infinite channels of the test, of 8 a pixel | ≥ 0 |
 ///
 /// All but `psnr_db` and `nonfinite` are dimensionless numbers of the order of a relative error.
-pub fn compare(reference: &Frame, test: &Frame) -> Result<Comparison> {
+pub fn compare(reference: &Frame, test: &Frame) -> Result<Comparison, Incomparable> {
     check_pair(reference, test)?;
     let linear = linear::measure(reference, test)?;
     let exposure = Exposure::from_reference(reference);
@@ -92,7 +94,7 @@ fn nonfinite(frame: &Frame) -> u64 {
 }
 
 /// Refuses pictures that cannot be compared: broken planes, different sizes, a broken truth.
-fn check_pair(reference: &Frame, test: &Frame) -> Result<()> {
+fn check_pair(reference: &Frame, test: &Frame) -> Result<(), Incomparable> {
     reference.check("the reference")?;
     test.check("the test picture")?;
     if (reference.width, reference.height) != (test.width, test.height) {
@@ -104,15 +106,12 @@ fn check_pair(reference: &Frame, test: &Frame) -> Result<()> {
             "the test picture",
             problem,
             "Compare pictures of the same size.",
-        ));
+        )
+        .into());
     }
     match nonfinite(reference) {
         0 => Ok(()),
-        n => Err(Error::input(
-            "the reference",
-            format!("{n} channels are NaN or infinite, so it is no truth"),
-            "Render the reference again or give another one.",
-        )),
+        channels => Err(Incomparable::NotFinite(channels)),
     }
 }
 
@@ -246,10 +245,11 @@ mod tests {
     #[test]
     fn unusable_pairs_are_errors() {
         let truth = cloud(16, 8);
-        let refused = |reference: &Frame, test: &Frame| match compare(reference, test) {
-            Err(e @ Error::Input { .. }) => e.to_string(),
-            other => panic!("{other:?}"),
-        };
+        let refused =
+            |reference: &Frame, test: &Frame| match compare(reference, test).map_err(Error::from) {
+                Err(e @ Error::Input { .. }) => e.to_string(),
+                other => panic!("{other:?}"),
+            };
         assert!(refused(&truth, &cloud(8, 16)).contains("8×16 pixels, the reference has 16×8"));
         let mut short = truth.clone();
         short.sun.pop();

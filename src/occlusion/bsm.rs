@@ -1,6 +1,6 @@
 //! Beer shadow map: front, mean extinction and largest optical depth.
 
-use super::param::{ParamKind, ParamSpec, Params};
+use super::param::{Applies, ParamKind, ParamSpec, Params};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, Front, LookUp, Twin, at_least_zero, smaller};
 use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, MethodInfo, Plan};
@@ -18,6 +18,7 @@ const PARAMS: &[ParamSpec] = &[
             options: &["occupied", "all", "fitted"],
             default: "occupied",
         },
+        applies: Applies::Always,
     },
     FORM,
     FRONT,

@@ -1,6 +1,6 @@
 //! Exponential shadow map: one value a texel.
 
-use super::param::{ParamKind, ParamSpec, Params};
+use super::param::{Applies, ParamKind, ParamSpec, Params};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, Front, LookUp, Twin, at_least_zero};
 use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, MethodInfo, Plan};
@@ -19,6 +19,7 @@ const PARAMS: &[ParamSpec] = &[
             max: 1e5,
             default: 11.0,
         },
+        applies: Applies::Always,
     },
     FORM,
     FRONT,

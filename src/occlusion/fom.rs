@@ -1,6 +1,6 @@
 //! Fourier opacity map: extinction along a column as a truncated Fourier series.
 
-use super::param::{ParamKind, ParamSpec, Params};
+use super::param::{Applies, ParamKind, ParamSpec, Params};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, LookUp, Twin, at_least_zero};
 use super::{FORM, LightOcclusion, MAP_PARAMS, MethodInfo, Plan};
@@ -21,6 +21,7 @@ const PARAMS: &[ParamSpec] = &[
             max: 15,
             default: 3,
         },
+        applies: Applies::Always,
     },
     ParamSpec {
         name: "window",
@@ -30,6 +31,7 @@ const PARAMS: &[ParamSpec] = &[
             options: &["none", "lanczos", "fejer"],
             default: "none",
         },
+        applies: Applies::Always,
     },
     ParamSpec {
         name: "bounds",
@@ -39,6 +41,7 @@ const PARAMS: &[ParamSpec] = &[
             options: &["map", "texel"],
             default: "map",
         },
+        applies: Applies::Always,
     },
     ParamSpec {
         name: "sines",
@@ -47,6 +50,10 @@ const PARAMS: &[ParamSpec] = &[
         kind: ParamKind::Choice {
             options: &["own", "first"],
             default: "own",
+        },
+        applies: Applies::AtLeast {
+            of: "order",
+            min: 2,
         },
     },
     ParamSpec {
@@ -57,6 +64,7 @@ const PARAMS: &[ParamSpec] = &[
             options: &["own", "metre"],
             default: "own",
         },
+        applies: Applies::Always,
     },
     FORM,
 ];

@@ -22,6 +22,8 @@ mod floor;
 mod fom;
 mod none;
 mod srm;
+#[cfg(test)]
+mod tests;
 mod truth;
 
 pub use fom::thickness_of_opacity;
@@ -29,7 +31,7 @@ pub use fom::thickness_of_opacity;
 use crate::error::{Error, Result};
 use crate::gpu::Defs;
 use crate::scene::Scene;
-use param::{ParamKind, ParamSpec, ParamValue, Params};
+use param::{Applies, ParamKind, ParamSpec, ParamValue, Params};
 use twin::Twin;
 
 /// Every strategy, in the order of menus and charts.
@@ -105,6 +107,7 @@ pub const MAP_PARAMS: &[ParamSpec] = &[
             max: 65536,
             default: 512,
         },
+        applies: Applies::Always,
     },
     ParamSpec {
         name: "steps",
@@ -115,6 +118,7 @@ pub const MAP_PARAMS: &[ParamSpec] = &[
             max: 1000,
             default: 100,
         },
+        applies: Applies::Always,
     },
     ParamSpec {
         name: "storage",
@@ -124,6 +128,7 @@ pub const MAP_PARAMS: &[ParamSpec] = &[
             options: &["f16", "f32"],
             default: "f16",
         },
+        applies: Applies::Always,
     },
     ParamSpec {
         name: "lookup",
@@ -133,6 +138,7 @@ pub const MAP_PARAMS: &[ParamSpec] = &[
             options: &["nearest", "hardware", "blend"],
             default: "blend",
         },
+        applies: Applies::Always,
     },
     ParamSpec {
         name: "sampling",
@@ -142,6 +148,7 @@ pub const MAP_PARAMS: &[ParamSpec] = &[
             options: &["midpoint", "end", "quadratic"],
             default: "midpoint",
         },
+        applies: Applies::Always,
     },
 ];
 
@@ -153,6 +160,7 @@ const FRONT: ParamSpec = ParamSpec {
         options: &["threshold", "first"],
         default: "threshold",
     },
+    applies: Applies::Always,
 };
 
 const FORM: ParamSpec = ParamSpec {
@@ -163,9 +171,10 @@ const FORM: ParamSpec = ParamSpec {
         options: &["stable", "published"],
         default: "stable",
     },
+    applies: Applies::Always,
 };
 
-/// A method with a complete set of parameters.
+/// A method with a complete set of parameters, those that do not apply included: uniforms hold them all.
 #[derive(Clone)]
 pub struct MethodSetup {
     /// The strategy.
@@ -176,7 +185,7 @@ pub struct MethodSetup {
 
 impl PartialEq for MethodSetup {
     fn eq(&self, other: &Self) -> bool {
-        self.method.info().id == other.method.info().id && self.params == other.params
+        self.method.info().id == other.method.info().id && self.applying() == other.applying()
     }
 }
 
@@ -198,7 +207,7 @@ pub fn find(id: &str) -> Result<&'static dyn LightOcclusion> {
     let found = REGISTRY.iter().find(|m| m.info().id == id).copied();
     found.ok_or_else(|| {
         let problem = format!("there is no method `{id}`");
-        Error::input("method", problem, one_of(ids()))
+        Error::input("--method", problem, one_of(ids()))
     })
 }
 
@@ -224,24 +233,57 @@ impl MethodSetup {
         })
     }
 
+    /// A method at recorded or listed values; all others have their defaults.
+    pub fn of(id: &str, params: &Params) -> Result<Self> {
+        let Self {
+            method,
+            params: defaults,
+        } = Self::defaults(id)?;
+        let params = defaults.with(params);
+        Ok(Self { method, params })
+    }
+
+    /// The values of the parameters that apply.
+    pub fn applying(&self) -> Params {
+        self.params.applying(self.method.info().specs())
+    }
+
     /// The truth of `scene`, with the light step that its shape asks for.
     pub fn truth(scene: &Scene) -> Result<Self> {
-        Self::defaults("truth")?.with("step_m", &scene.truth_step_m().to_string())
+        let step_m = scene.truth_step_m();
+        let setup = Self::defaults("truth")?.with("step_m", &step_m.to_string());
+        setup.map_err(|_| {
+            let place = format!("scene `{}`, at /container/box", scene.name);
+            let problem =
+                format!("its truth would march in steps of {step_m} m, the shortest is 1e-9 m");
+            Error::input(place, problem, "Choose a larger box.")
+        })
     }
 
     /// The same with one parameter changed, from text as on the command line.
     pub fn with(mut self, name: &str, text: &str) -> Result<Self> {
         let info = self.method.info();
+        let place = || format!("--set {name}={text}");
         let Some(spec) = info.specs().find(|s| s.name == name) else {
             let problem = format!("`{}` has no parameter `{name}`", info.id);
             let remedy = one_of(info.specs().map(|s| s.name));
-            return Err(Error::input("--set", problem, remedy));
+            return Err(Error::input(place(), problem, remedy));
         };
         let value = spec.parse_text(text).map_err(|problem| {
-            Error::input("--set", problem, "`occlab methods` lists what is allowed.")
+            Error::input(place(), problem, "`occlab methods` lists what is allowed.")
         })?;
         self.params.set(spec.name, value);
         Ok(self)
+    }
+
+    /// What to tell somebody who named a parameter that has no effect at this setting.
+    pub fn idle_note(&self, name: &str) -> Option<String> {
+        let mut specs = self.method.info().specs();
+        let spec = specs.find(|s| s.name == name && !s.applies_at(&self.params))?;
+        let condition = spec.applies.words()?;
+        Some(format!(
+            "`{name}` has no effect: it applies where {condition}"
+        ))
     }
 
     /// Shader definitions of the choices and of the plan.

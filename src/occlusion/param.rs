@@ -35,6 +35,56 @@ pub enum ParamKind {
     },
 }
 
+/// Where a parameter has an effect. What it depends on is a parameter of the same method that applies always.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Applies {
+    /// At every setting.
+    Always,
+    /// Where a choice is one of these words.
+    Choice {
+        /// Name of the choice.
+        of: &'static str,
+        /// The words.
+        is: &'static [&'static str],
+    },
+    /// Where a whole number is at least this.
+    AtLeast {
+        /// Name of the number.
+        of: &'static str,
+        /// Smallest value.
+        min: i64,
+    },
+}
+
+impl Applies {
+    /// The parameter that decides.
+    pub fn decided_by(self) -> Option<&'static str> {
+        match self {
+            Self::Always => None,
+            Self::Choice { of, .. } | Self::AtLeast { of, .. } => Some(of),
+        }
+    }
+
+    /// Whether it does where the parameter that decides has this value.
+    pub fn at(self, value: ParamValue) -> bool {
+        match (self, value) {
+            (Self::Always, _) => true,
+            (Self::Choice { is, .. }, ParamValue::Choice(word)) => is.contains(&word),
+            (Self::AtLeast { min, .. }, ParamValue::Int(number)) => number >= min,
+            _ => false,
+        }
+    }
+
+    /// The condition for people: `spacing = uniform_reach`; `None` where there is none.
+    pub fn words(self) -> Option<String> {
+        match self {
+            Self::Always => None,
+            Self::Choice { of, is } => Some(format!("{of} = {}", is.join(" or "))),
+            Self::AtLeast { of, min } => Some(format!("{of} ≥ {min}")),
+        }
+    }
+}
+
 /// One parameter of a method.
 #[derive(Clone, Copy, Debug)]
 pub struct ParamSpec {
@@ -46,6 +96,8 @@ pub struct ParamSpec {
     pub doc: &'static str,
     /// Type, range and default.
     pub kind: ParamKind,
+    /// Where it has an effect; elsewhere it is neither shown nor recorded.
+    pub applies: Applies,
 }
 
 /// A value that satisfied its [`ParamSpec`].
@@ -78,6 +130,12 @@ impl ParamSpec {
             ParamKind::Float { default, .. } => ParamValue::Float(default),
             ParamKind::Choice { default, .. } => ParamValue::Choice(default),
         }
+    }
+
+    /// Whether it has an effect at a complete set of values.
+    pub fn applies_at(&self, params: &Params) -> bool {
+        let deciding = self.applies.decided_by();
+        deciding.is_none_or(|of| params.get(of).is_some_and(|value| self.applies.at(value)))
     }
 
     /// Range or options as people write them: `1…50`, `nearest | hardware | blend`.
@@ -131,7 +189,7 @@ impl ParamSpec {
     }
 }
 
-/// A complete set of values, one for each [`ParamSpec`] of a method.
+/// Values of a method's parameters: one for each [`ParamSpec`], or for each that applies ([`Params::applying`]).
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 #[serde(transparent)]
 pub struct Params(BTreeMap<&'static str, ParamValue>);
@@ -140,6 +198,22 @@ impl Params {
     /// Every parameter at its default.
     pub fn defaults<'a>(specs: impl Iterator<Item = &'a ParamSpec>) -> Self {
         Self(specs.map(|s| (s.name, s.default_value())).collect())
+    }
+
+    /// The values of the parameters that apply, of a complete set: what is shown, recorded and compared.
+    pub fn applying<'a>(&self, specs: impl Iterator<Item = &'a ParamSpec>) -> Self {
+        let applies = specs.filter(|spec| spec.applies_at(self));
+        Self(
+            applies
+                .filter_map(|spec| Some((spec.name, self.get(spec.name)?)))
+                .collect(),
+        )
+    }
+
+    /// The same with the values of `other`.
+    pub fn with(mut self, other: &Self) -> Self {
+        self.0.extend(&other.0);
+        self
     }
 
     /// Replaces one value.
@@ -184,9 +258,8 @@ impl Params {
 }
 
 fn undeclared(name: &str) -> Error {
-    Error::input(
+    Error::defect(
         "method",
-        format!("reads the parameter `{name}`, which it does not declare with that type"),
-        "Declare it in the method's ParamSpec list.",
+        format!("it reads the parameter `{name}`, which it does not declare with that type"),
     )
 }

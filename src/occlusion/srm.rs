@@ -1,6 +1,6 @@
 //! Secondary march: a few samples from every view sample toward the sun.
 
-use super::param::{ParamKind, ParamSpec, Params};
+use super::param::{Applies, ParamKind, ParamSpec, Params};
 use super::twin::{LightRay, March, Twin, march};
 use super::{LightOcclusion, MethodInfo};
 use crate::error::Result;
@@ -18,6 +18,7 @@ const PARAMS: &[ParamSpec] = &[
             max: 1000,
             default: 10,
         },
+        applies: Applies::Always,
     },
     ParamSpec {
         name: "spacing",
@@ -27,15 +28,20 @@ const PARAMS: &[ParamSpec] = &[
             options: &["quadratic", "uniform", "uniform_reach", "exponential"],
             default: "quadratic",
         },
+        applies: Applies::Always,
     },
     ParamSpec {
         name: "reach_m",
         unit: "m",
-        doc: "Length of the light ray for uniform_reach.",
+        doc: "Length of the light ray, at most the way to the layer's exit.",
         kind: ParamKind::Float {
             min: 1e-6,
             max: 1e6,
             default: 1000.0,
+        },
+        applies: Applies::Choice {
+            of: "spacing",
+            is: &["uniform_reach"],
         },
     },
     ParamSpec {
@@ -46,6 +52,7 @@ const PARAMS: &[ParamSpec] = &[
             options: &["midpoint", "end", "jittered"],
             default: "midpoint",
         },
+        applies: Applies::Always,
     },
 ];
 

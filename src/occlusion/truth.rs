@@ -1,6 +1,6 @@
 //! The ground truth: a secondary march of constant small steps.
 
-use super::param::{ParamKind, ParamSpec, Params};
+use super::param::{Applies, ParamKind, ParamSpec, Params};
 use super::twin::{LightRay, March, OPAQUE_TAU, Twin};
 use super::{LightOcclusion, MethodInfo};
 use crate::error::Result;
@@ -25,6 +25,7 @@ impl LightOcclusion for Truth {
                     max: 1e6,
                     default: 10.0,
                 },
+                applies: Applies::Always,
             }]],
             monotone: true,
             tolerance: 2e-5,

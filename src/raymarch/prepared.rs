@@ -82,7 +82,7 @@ impl Prepared {
             roles: view.roles(info.shader),
             defs,
         })?;
-        check_params_read(setup, &march, map.as_ref())?;
+        check_params_read(setup, &march, map.as_ref()).map_err(|e| gpu.sources.blame(e))?;
         let image = [view.image.width, view.image.height];
         let march_counts = counting.then(|| counts_buffer(gpu, image));
         offer_counts(&mut inputs, march_counts.as_ref());

@@ -99,9 +99,9 @@ impl History {
         let ImageSize { width, height } = self.image;
         let bytes = u64::from(width) * u64::from(height) * RGBA_BYTES;
         let last = &self.pictures[(self.frame.get() + 1) % 2];
-        let read = |buffer| {
+        let read = |buffer| -> Result<Vec<[f32; 4]>> {
             let bytes = read_buffer(gpu, buffer, bytes)?;
-            Ok(bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes))
+            Ok(bytemuck::pod_collect_to_vec(&bytes))
         };
         Ok(Frame {
             width,
@@ -194,10 +194,9 @@ impl Temporal {
         counting: bool,
     ) -> Result<Self> {
         if history.image != view.image {
-            return Err(Error::input(
+            return Err(Error::defect(
                 "temporal_2x2",
                 "the history has pictures of another size",
-                "This is a defect of the program; please report it.",
             ));
         }
         let outputs = history.outputs();

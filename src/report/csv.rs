@@ -26,11 +26,7 @@ pub fn cells(report: &Report) -> Result<String> {
 }
 
 fn defect(problem: &dyn std::fmt::Display) -> Error {
-    Error::input(
-        "cells.csv",
-        problem.to_string(),
-        "This is a defect of the program; please report it.",
-    )
+    Error::defect("cells.csv", problem)
 }
 
 /// One cell as column → text; the measurements stand at the top level, as in the specification of the record.

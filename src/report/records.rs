@@ -34,10 +34,9 @@ pub fn text(report: &Report, path: &Path) -> Result<String> {
 }
 
 fn unreadable(path: &Path, problem: &serde_json::Error) -> Error {
-    Error::input(
+    Error::defect(
         path.display().to_string(),
         format!("the records cannot be written as JSON: {problem}"),
-        "This is a defect of the program; please report it with the experiment.",
     )
 }
 

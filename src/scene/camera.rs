@@ -88,8 +88,10 @@ fn unit(v: DVec3) -> DVec3 {
 #[serde(deny_unknown_fields)]
 pub struct ImageSize {
     /// Columns.
+    #[schemars(range(min = 1))]
     pub width: u32,
     /// Rows.
+    #[schemars(range(min = 1))]
     pub height: u32,
 }
 

@@ -81,6 +81,7 @@ pub struct Volume {
     /// a `.npz` archive: its only one, or `FILE.npz:NAME`. Relative to the scene file; `--volume` overrides it.
     pub path: PathBuf,
     /// Index (0, 1, 2) of the array axis that points up. Of the others the earlier is world z, the later world x.
+    #[schemars(range(max = 2))]
     pub up_axis: u8,
 }
 

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct March {
     /// Steps over the part of the ray inside the layer, 1…4096.
+    #[schemars(range(min = 1, max = 4096))]
     pub steps: u32,
     /// Length of a step, metres; replaces `steps` when given (at most 4096 steps a ray).
     #[serde(skip_serializing_if = "Option::is_none")]

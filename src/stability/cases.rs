@@ -40,7 +40,7 @@ pub fn settings() -> Vec<Setting> {
     out
 }
 
-/// The method of a row at an extreme; `None` when it lacks a parameter that the extreme is about.
+/// The method of a row at an extreme; `None` when it lacks a parameter that the extreme is about, or one does not apply.
 pub fn setup(
     setting: &Setting,
     extreme: &Extreme,
@@ -68,7 +68,9 @@ pub fn setup(
             setup = setup.with(name, option)?;
         }
     }
-    Ok(Some(setup))
+    let applying = setup.applying();
+    let all_apply = extreme.params.keys().all(|n| applying.get(n).is_some());
+    Ok(all_apply.then_some(setup))
 }
 
 /// Writes every volume to `inputs/NAME.npy` below `folder`, f32, C order, axes z, y (up), x.

@@ -104,11 +104,7 @@ impl Map {
             })?;
         match setup.method.oracle(&setup.params)? {
             Twin::Map(encoding) => Ok(Self { encoding }),
-            Twin::March(_) => Err(Error::input(
-                "method",
-                format!("`{id}` has no map"),
-                "This is a defect of the program; please report it.",
-            )),
+            Twin::March(_) => Err(Error::defect("thresholds", format!("`{id}` has no map"))),
         }
     }
 

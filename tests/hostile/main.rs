@@ -11,6 +11,7 @@ mod params;
 mod pictures;
 mod records;
 mod volumes;
+mod words;
 
 use std::path::Path;
 

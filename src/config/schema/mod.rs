@@ -123,7 +123,11 @@ fn param(spec: &ParamSpec) -> Value {
     } else {
         format!(" Unit: {}.", spec.unit)
     };
-    let mut schema = described(one_or_many(item), &format!("{}{unit}", spec.doc));
+    let applies = match spec.applies.words() {
+        Some(condition) => format!(" Applies where {condition}."),
+        None => String::new(),
+    };
+    let mut schema = described(one_or_many(item), &format!("{}{unit}{applies}", spec.doc));
     schema["default"] = default;
     schema
 }

@@ -21,7 +21,7 @@ pub use spec::{
 use super::document::Document;
 use super::experiment::{self, Experiment};
 use super::{locate, suggest};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -155,8 +155,9 @@ fn from_document(document: &Document, profile: &str) -> Result<Study> {
     let Some(chosen) = profiles.get(profile) else {
         let names: Vec<&str> = profiles.keys().map(String::as_str).collect();
         let problem = format!("there is no profile `{profile}`");
-        let remedy = format!("Choose one of: {}.", names.join(", "));
-        return Err(document.error("/profiles", problem, remedy));
+        let place = document.path().display();
+        let remedy = format!("Profiles of {place}: {}.", names.join(", "));
+        return Err(Error::input("--profile", problem, remedy));
     };
     let filled = fill(document, profile, &chosen.values)?;
     let file: File = filled.get("")?;
@@ -182,26 +183,28 @@ fn from_document(document: &Document, profile: &str) -> Result<Study> {
     })
 }
 
-/// The document with each `$NAME` replaced; every value of the profile must be used.
+/// The document with each `$NAME` replaced; every value of the profile must be used. Errors name the profile's value.
 fn fill(document: &Document, profile: &str, values: &Map<String, Value>) -> Result<Document> {
     let mut value = document.value().clone();
-    let mut used = BTreeSet::new();
+    let mut used = BTreeMap::new();
     if let Some(members) = value.as_object_mut() {
         for (key, member) in members.iter_mut().filter(|(key, _)| *key != "profiles") {
             let place = locate::step(key);
             replace(document, &place, member, values, &mut used)?;
         }
     }
-    if let Some(unused) = values.keys().find(|name| !used.contains(*name)) {
-        let place = format!(
-            "/profiles{}/values{}",
-            locate::step(profile),
-            locate::step(unused)
-        );
+    let place = |name: &str| {
+        let profile = locate::step(profile);
+        format!("/profiles{profile}/values{}", locate::step(name))
+    };
+    let is_used = |name: &str| used.values().any(|used| used == name);
+    if let Some(unused) = values.keys().find(|name| !is_used(name)) {
+        let place = place(unused);
         let problem = format!("nothing uses `${unused}`");
         return Err(document.error_at_key(&place, problem, "Remove it, or correct the name."));
     }
-    Ok(document.part(value, ""))
+    let origins = used.into_iter().map(|(at, name)| (at, place(&name)));
+    Ok(document.filled(value, origins.collect()))
 }
 
 fn replace(
@@ -209,7 +212,7 @@ fn replace(
     place: &str,
     value: &mut Value,
     values: &Map<String, Value>,
-    used: &mut BTreeSet<String>,
+    used: &mut BTreeMap<String, String>,
 ) -> Result<()> {
     match value {
         Value::String(text) => {
@@ -225,7 +228,7 @@ fn replace(
                 let problem = format!("the profile has no value `{name}`");
                 return Err(document.error(place, problem, remedy));
             };
-            used.insert(name.to_owned());
+            used.insert(place.to_owned(), name.to_owned());
             *value = new.clone();
             Ok(())
         }
@@ -298,6 +301,7 @@ fn check_references(
             return Ok(());
         }
         let hint = suggest::sentence(name, names.iter().copied());
+        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         let remedy = format!("{hint}Known are {}.", names.join(", "));
         Err(document.error(place, format!("there is no {what} `{name}`"), remedy))
     };

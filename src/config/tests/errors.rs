@@ -1,5 +1,6 @@
 use super::*;
 use serde_json::json;
+use std::path::Path;
 
 #[test]
 fn bad_experiment_members_are_located() {
@@ -11,12 +12,27 @@ fn bad_experiment_members_are_located() {
     );
     has(
         &error("name", "7"),
-        &["e.json:1:9 (at /name)", "invalid type"],
+        &[
+            "e.json:1:9 (at /name)",
+            "the value is 7, allowed is a text in quotes",
+        ],
     );
     has(&error("name", "\"\""), &["(at /name)", "1 to 200"]);
     has(&error("runs", "0"), &["(at /runs)", "1…10000"]);
-    has(&error("runs", "-1"), &["(at /runs)"]);
-    has(&error("discard", "1.5"), &["(at /discard)"]);
+    has(
+        &error("runs", "-1"),
+        &[
+            "(at /runs)",
+            "the value is -1, allowed is a whole number, 1…10000",
+        ],
+    );
+    has(
+        &error("discard", "1.5"),
+        &[
+            "(at /discard)",
+            "the value is 1.5, allowed is a whole number",
+        ],
+    );
     has(
         &error("discard", "0"),
         &[
@@ -46,7 +62,10 @@ fn bad_experiment_members_are_located() {
     has(&error("ghosting", "[]"), &["(at /ghosting)", "empty"]);
     has(
         &error("ghosting", "\"sun\""),
-        &["(at /ghosting)", "`pan`", "`dolly`"],
+        &[
+            "(at /ghosting)",
+            "the value is \"sun\", allowed is one of `pan`, `dolly`",
+        ],
     );
     has(
         &error("ghosting", "[\"pan\", \"pan\"]"),
@@ -67,7 +86,14 @@ fn bad_experiment_members_are_located() {
     );
     has(
         &error("image", r#"[{"width": 4, "height": -9}]"#),
-        &["(at /image/0/height)"],
+        &["(at /image/0/height)", "a whole number, 1 or more"],
+    );
+    has(
+        &error("image", "[4]"),
+        &[
+            "(at /image/0)",
+            "the value is 4, allowed is an object with `width`, `height`",
+        ],
     );
     has(
         &error("image", r#"{"width": 4, "hight": 9}"#),
@@ -238,4 +264,28 @@ fn the_cap_is_checked_before_anything_is_built() {
         .expect_err("cap")
         .to_string();
     has(&message, &["exceed 100000 cells", "split"]);
+}
+
+#[test]
+fn a_case_about_parameters_without_effect_is_refused() {
+    let file = |params: &str| {
+        let extremes =
+            format!(r#"[{{"group": "g", "name": "n", "scene": "slab", "params": {params}}}]"#);
+        let image = r#"{"width": 4, "height": 3}"#;
+        format!(
+            r#"{{"name": "s", "image": {image}, "scenes": {{"slab": {SCENE}}}, "extremes": {extremes}}}"#
+        )
+    };
+    let read = |params| parse_stability(Path::new("s.json"), file(params), Path::new("out"), &Mock);
+    for good in [
+        r#"{"lookup": "hardware", "reach": 5}"#,
+        r#"{"steps": 5}"#,
+        "{}",
+    ] {
+        assert!(read(good).is_ok(), "{good}");
+    }
+    for idle in [r#"{"reach": 5}"#, r#"{"lookup": "hardware", "steps": 5}"#] {
+        let message = read(idle).expect_err(idle).to_string();
+        has(&message, &["(at /extremes/0/params)", "where they apply"]);
+    }
 }

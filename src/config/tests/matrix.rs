@@ -238,3 +238,60 @@ fn the_schema_names_every_method_and_every_reference_resolves() {
         json!(false)
     );
 }
+
+#[test]
+fn a_cell_has_the_parameters_that_apply_and_values_of_others_make_no_cells() {
+    let folder = Folder::new();
+    let methods = json!({"method": "bsm", "lookup": ["nearest", "hardware"], "reach": [20, 30]});
+    let matrix = folder
+        .expand(&with(json!({ "methods": methods })))
+        .expect("matrix");
+    let cells: Vec<Value> = (matrix.views[0].cells.iter())
+        .map(|cell| json!(cell.params))
+        .collect();
+    assert_eq!(
+        cells,
+        [
+            json!({"lookup": "nearest"}),
+            json!({"lookup": "hardware", "reach": 20}),
+            json!({"lookup": "hardware", "reach": 30}),
+        ]
+    );
+    assert_eq!(
+        matrix.notes,
+        ["bsm: `reach` applies where lookup = hardware; elsewhere its values are one setting"]
+    );
+    let cells = |methods| {
+        let matrix = folder.expand(&with(json!({ "methods": methods })));
+        matrix.expect("matrix").views[0].cells.len()
+    };
+    assert_eq!(cells(json!("bsm")), 1);
+    assert_eq!(
+        cells(json!({"method": "bsm", "lookup": "hardware", "reach": 20})),
+        1
+    );
+}
+
+#[test]
+fn values_that_apply_at_no_setting_are_refused_and_a_single_one_is_noted() {
+    let folder = Folder::new();
+    let one = json!({"method": "bsm", "reach": 20});
+    let matrix = folder.expand(&with(json!({ "methods": one })));
+    let matrix = matrix.expect("matrix");
+    assert_eq!(
+        json!(matrix.views[0].cells[0].params),
+        json!({"lookup": "nearest"})
+    );
+    assert_eq!(
+        matrix.notes,
+        ["bsm: `reach` has no effect: it applies where lookup = hardware"]
+    );
+    has(
+        &folder.error("methods", r#"{"method": "bsm", "reach": [20, 30]}"#),
+        &[
+            "(at /methods/reach)",
+            "`reach` has no effect: it applies where lookup = hardware, and `lookup` is nearest",
+            "Leave it out, or set lookup = hardware too.",
+        ],
+    );
+}

@@ -1,5 +1,5 @@
 use super::*;
-use crate::occlusion::param::{ParamKind, ParamSpec};
+use crate::occlusion::param::{Applies, ParamKind, ParamSpec};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -17,6 +17,7 @@ const STEPS: ParamSpec = ParamSpec {
         max: 50,
         default: 6,
     },
+    applies: Applies::Always,
 };
 const SPACING: ParamSpec = ParamSpec {
     name: "spacing",
@@ -27,6 +28,21 @@ const SPACING: ParamSpec = ParamSpec {
         max: 10.0,
         default: 2.0,
     },
+    applies: Applies::Always,
+};
+const REACH: ParamSpec = ParamSpec {
+    name: "reach",
+    unit: "m",
+    doc: "Length.",
+    kind: ParamKind::Int {
+        min: 1,
+        max: 99,
+        default: 10,
+    },
+    applies: Applies::Choice {
+        of: "lookup",
+        is: &["hardware"],
+    },
 };
 const LOOKUP: ParamSpec = ParamSpec {
     name: "lookup",
@@ -36,6 +52,7 @@ const LOOKUP: ParamSpec = ParamSpec {
         options: &["nearest", "hardware"],
         default: "nearest",
     },
+    applies: Applies::Always,
 };
 
 struct Mock;
@@ -48,7 +65,7 @@ impl MethodCatalogue for Mock {
         match id {
             "none" => Some(vec![]),
             "srm" => Some(vec![&STEPS, &SPACING]),
-            "bsm" => Some(vec![&LOOKUP]),
+            "bsm" => Some(vec![&LOOKUP, &REACH]),
             _ => None,
         }
     }

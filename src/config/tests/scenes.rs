@@ -30,13 +30,16 @@ fn bad_scenes_are_located() {
     );
     has(
         &error("\"elevation_deg\": 45, ", ""),
-        &["bad.json:6:10 (at /sun)", "missing field `elevation_deg`"],
+        &[
+            "bad.json:6:10 (at /sun)",
+            "missing field `elevation_deg`: a number",
+        ],
     );
     has(
         &error("45", "\"high\""),
         &[
             "bad.json:6:28 (at /sun/elevation_deg)",
-            "invalid type: string",
+            "the value is \"high\", allowed is a number",
         ],
     );
     has(
@@ -55,17 +58,57 @@ fn bad_scenes_are_located() {
     );
     has(
         &error("\"uniform\"", "\"unifrom\""),
-        &["bad.json:4:", "unknown variant", "Did you mean `uniform`?"],
+        &[
+            "bad.json:4:",
+            "the value is an object with `unifrom`",
+            "an object with one of `uniform`, `procedural`, `volume`",
+            "Did you mean `uniform`?",
+        ],
     );
     has(
         &error("[100, 50, 100]", "[100, 50]"),
-        &["bad.json:3:", "/container/box/max_m", "length 2"],
+        &[
+            "bad.json:3:",
+            "/container/box/max_m",
+            "the value is a list of 2, allowed is a list of 3 numbers",
+        ],
     );
     has(
         &error("\"name\": \"slab\",", ""),
         &["bad.json:1:1 (at the top level)", "missing field `name`"],
     );
     has(&error("45,", "45,,"), &["bad.json:6:31"]);
+    has(
+        &error("{\"value\": 1}", "1.0"),
+        &[
+            "bad.json:4:26 (at /density/uniform)",
+            "the value is 1.0, allowed is an object with `value`. Write {\"value\": 1.0};",
+        ],
+    );
+    has(
+        &error("{\"uniform\": {\"value\": 1}}", "\"uniform\""),
+        &[
+            "(at /density)",
+            "the value is \"uniform\", allowed is an object with one of",
+        ],
+    );
+    has(
+        &error("\"medium\": {}", "\"medium\": {\"phase\": [[0.5]]}"),
+        &[
+            "(at /medium/phase/0)",
+            "the value is a list of 1, allowed is an object with `g`, `weight`",
+        ],
+    );
+    has(
+        &error(
+            "\"medium\": {}",
+            "\"medium\": {}, \"march\": {\"integration\": \"exact\"}",
+        ),
+        &[
+            "(at /march/integration)",
+            "allowed is one of `analytic`, `thesis`",
+        ],
+    );
 }
 
 #[test]

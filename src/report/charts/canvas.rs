@@ -111,11 +111,7 @@ fn register() -> Result<()> {
 }
 
 fn defect(problem: &dyn std::fmt::Display) -> Error {
-    Error::input(
-        "charts",
-        problem.to_string(),
-        "This is a defect of the program; please report it.",
-    )
+    Error::defect("charts", problem)
 }
 
 /// XML has no control characters; a scene's name might.

@@ -49,11 +49,7 @@ pub fn all(folder: &Path, view: &View<'_>) -> Result<Vec<Sheet>> {
 }
 
 fn defect(problem: image::ImageError) -> Error {
-    Error::input(
-        "contact sheet",
-        problem.to_string(),
-        "This is a defect of the program; please report it.",
-    )
+    Error::defect("contact sheet", problem)
 }
 
 /// The cell that stands for a method: the middle one of its settings by error, of two the better.

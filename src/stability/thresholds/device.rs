@@ -121,11 +121,5 @@ fn scene(density: serde_json::Value) -> Result<Scene> {
         "camera": {"position_m": [500, 6, -1500], "target_m": [500, 6, 500], "fov_y_deg": 0.4},
         "march": {"steps": 16}
     });
-    serde_json::from_value(scene).map_err(|e| {
-        Error::input(
-            "thresholds",
-            e.to_string(),
-            "This is a defect of the program; please report it.",
-        )
-    })
+    serde_json::from_value(scene).map_err(|e| Error::defect("thresholds", e))
 }

@@ -4,7 +4,7 @@ use crate::occlusion::param::{ParamKind, ParamSpec, ParamValue};
 use crate::occlusion::{MethodSetup, REGISTRY};
 use eframe::egui;
 
-/// A drop-down of the registry and a control for each parameter of the chosen method.
+/// A drop-down of the registry and a control for each parameter of the chosen method that applies.
 pub fn draw(ui: &mut egui::Ui, title: &str, setup: &mut MethodSetup) {
     let label = ui.strong(title);
     let info = setup.method.info();
@@ -32,8 +32,10 @@ pub fn draw(ui: &mut egui::Ui, title: &str, setup: &mut MethodSetup) {
         .show(ui, |ui| {
             let specs = setup.method.info().specs();
             for spec in specs {
-                parameter(ui, title, spec, setup);
-                ui.end_row();
+                if spec.applies_at(&setup.params) {
+                    parameter(ui, title, spec, setup);
+                    ui.end_row();
+                }
             }
         });
 }
@@ -43,7 +45,7 @@ fn parameter(ui: &mut egui::Ui, title: &str, spec: &'static ParamSpec, setup: &m
         return;
     };
     let doc = format!(
-        "{}\n{}{}, default {}",
+        "{}\n{}{}, default {}{}",
         spec.doc,
         spec.range_text(),
         if spec.unit.is_empty() {
@@ -51,7 +53,11 @@ fn parameter(ui: &mut egui::Ui, title: &str, spec: &'static ParamSpec, setup: &m
         } else {
             format!(" {}", spec.unit)
         },
-        spec.default_value()
+        spec.default_value(),
+        match spec.applies.words() {
+            Some(condition) => format!(". Applies where {condition}."),
+            None => String::new(),
+        }
     );
     let label = ui.label(spec.name).on_hover_text(&doc);
     let new = match (value, spec.kind) {

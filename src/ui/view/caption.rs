@@ -113,7 +113,8 @@ fn parameters(setup: &MethodSetup) -> String {
     let value = |spec: &&'static ParamSpec| setup.params.get(spec.name);
     let changed =
         |spec: &&'static ParamSpec| value(spec).is_some_and(|v| v != spec.default_value());
-    let specs: Vec<_> = setup.method.info().specs().collect();
+    let specs = setup.method.info().specs();
+    let specs: Vec<_> = specs.filter(|s| s.applies_at(&setup.params)).collect();
     let (first, last): (Vec<_>, Vec<_>) = specs.into_iter().partition(changed);
     let parts = first.into_iter().chain(last);
     let parts = parts.filter_map(|spec: &'static ParamSpec| {
