@@ -30,6 +30,7 @@ pub mod metrics;
 pub mod occlusion;
 pub mod oracle;
 pub mod probe;
+pub mod provenance;
 pub mod raymarch;
 pub mod report;
 pub mod scene;
