@@ -8,6 +8,7 @@ mod program;
 use occlab::backend::{Backend, Choice};
 use occlab::config::load_scene;
 use occlab::frame::read_frame;
+use occlab::gpu::Sources;
 use occlab::occlusion::MethodSetup;
 use occlab::oracle::{Options, Oracle};
 use occlab::raymarch::reference::Counting;
@@ -206,4 +207,39 @@ fn errors_of_another_thread_on_the_same_device_are_its_own() {
     mistake();
     assert!(gpu.check().is_err());
     gpu.check().unwrap();
+}
+
+#[test]
+fn shaders_read_from_a_folder_are_other_sources_unless_they_are_the_same() {
+    needs_adapter!();
+    let mut backend = Backend::open(Choice::Gpu, None).unwrap();
+    let own = backend.sources();
+    assert_eq!(own, occlab::provenance::cell_sources());
+    let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let Backend::Device(renderer) = &mut backend else {
+        panic!("not a device");
+    };
+    renderer.gpu.sources = Sources::read(&shaders).unwrap();
+    assert_eq!(backend.sources(), own);
+    let folder = tempfile::tempdir().unwrap();
+    copy(&shaders, folder.path());
+    let esm = folder.path().join("occlusion/esm.wgsl");
+    let text = std::fs::read_to_string(&esm).unwrap() + "// another\n";
+    std::fs::write(&esm, text).unwrap();
+    if let Backend::Device(renderer) = &mut backend {
+        renderer.gpu.sources = Sources::read(folder.path()).unwrap();
+    }
+    assert_ne!(backend.sources(), own);
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        match path.is_dir() {
+            true => copy(&path, &target),
+            false => drop(std::fs::copy(&path, &target).unwrap()),
+        }
+    }
 }

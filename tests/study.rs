@@ -77,6 +77,27 @@ fn json_file(path: PathBuf) -> Value {
 }
 
 #[test]
+fn a_second_run_of_a_study_is_refused_before_it_writes_anything() {
+    let folder = workplace_of(|_| ());
+    let lock = folder.path().join("out/batch.lock");
+    std::fs::create_dir(folder.path().join("out")).unwrap();
+    let elsewhere = json!({
+        "host": "renderfarm-07", "process": 4711, "since_utc": "2026-11-28 09:07:01 UTC", "token": "t",
+        "started": null, "system": null
+    });
+    std::fs::write(&lock, elsewhere.to_string()).unwrap();
+    refused(
+        &run(folder.path()),
+        &["another run", "renderfarm-07", "out/batch.lock"],
+    );
+    assert!(!folder.path().join("out/experiments").exists());
+    std::fs::remove_file(&lock).unwrap();
+    let output = run(folder.path());
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(!lock.exists() && cells(folder.path()).len() == 6);
+}
+
+#[test]
 fn a_study_decides_what_it_can_and_resumes_after_a_kill() {
     needs_adapter!();
     let folder = workplace_of(|study| study["profiles"]["quick"]["values"]["runs"] = json!(40));

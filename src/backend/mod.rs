@@ -13,9 +13,10 @@ pub use temporal::{History, history_bytes};
 
 use crate::error::Result;
 use crate::frame::Frame;
-use crate::gpu::{ClockWatch, Environment, Gpu, host, list_adapters, program};
+use crate::gpu::{ClockWatch, Environment, Gpu, Sources, host, list_adapters, program};
 use crate::occlusion::MethodSetup;
 use crate::oracle::{self, Oracle};
+use crate::provenance;
 use crate::raymarch::reference::{self, Counting, Truth};
 use crate::raymarch::{self, PassTimes, Progress, Renderer, TruthCache};
 use crate::scene::{ImageSize, Scene};
@@ -90,6 +91,19 @@ impl Backend {
                 commit: program(),
                 host: host(),
             },
+        }
+    }
+
+    /// Hash of the sources that decide a cell's numbers: those of the program, and shaders read from a folder where these
+    /// are others.
+    pub fn sources(&self) -> String {
+        let program = provenance::cell_sources();
+        match self {
+            Self::Device(renderer) if renderer.gpu.sources != Sources::embedded() => {
+                let both = format!("{program} {}", renderer.gpu.sources.hash());
+                blake3::hash(both.as_bytes()).to_hex().to_string()
+            }
+            _ => program.to_owned(),
         }
     }
 

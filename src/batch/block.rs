@@ -5,7 +5,7 @@
 //! read in the first discarded round, counted, compared and written after the last. How a cell fills the queue in its
 //! round: [`super::rounds`]; how steady the device was: [`super::clock`].
 
-use super::cell::{bare_cell, cell_id, each_round, record_failure, setup, times, view_id};
+use super::cell::{bare_cell, each_round, record_failure, setup, times};
 use super::clock::Watch;
 use super::decompose::{Decomposer, Parts};
 use super::pictures::{write_compared, write_parts, write_picture};
@@ -73,7 +73,7 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
     let missing: Vec<_> = matrix
         .cells
         .iter()
-        .filter(|spec| !task.store.has(&cell_id(matrix, spec)))
+        .filter(|spec| !task.store.has(&task.identity.cell(matrix, spec)))
         .collect();
     if missing.is_empty() {
         return Ok(0.0);
@@ -150,7 +150,7 @@ impl<'a> Bench<'a> {
     /// Pictures, then the record: what is recorded is whole, and a resumed run keeps it.
     fn record_reference(&mut self, observe: Observer) -> Result<()> {
         let (task, matrix) = (self.task, self.matrix);
-        let id = view_id(matrix);
+        let id = task.identity.view(matrix);
         if task.store.reference(&id)?.is_some() {
             return Ok(());
         }
@@ -177,6 +177,7 @@ impl<'a> Bench<'a> {
             tracks: flicker::tracks(task, matrix),
             files,
         };
+        task.identity.check(&matrix.scene)?;
         task.store.put_reference(&id, &reference)
     }
 
@@ -210,7 +211,7 @@ impl<'a> Bench<'a> {
             let spec = run.spec;
             match self.measure(run, block) {
                 Ok(cell) => {
-                    self.task.store.put_cell(&cell)?;
+                    self.task.put_cell(self.matrix, &cell)?;
                     tell(observe, Event::Cell(Box::new(cell)))?;
                 }
                 Err(error) if error.concerns_one_cell() => {
@@ -249,7 +250,7 @@ impl<'a> Bench<'a> {
         for round in 0..rounds {
             if round == discard {
                 stage(observe, self.matrix, "until the clock settles", 0.0)?;
-                watch.settle(&view_id(self.matrix), block)?;
+                watch.settle(&task.identity.view(self.matrix), block)?;
             }
             watch.between_rounds()?;
             let count = runs.len() as f64;
@@ -279,7 +280,7 @@ impl<'a> Bench<'a> {
         let frame = run
             .frame
             .ok_or_else(|| Error::defect("batch", "a cell was never rendered"))?;
-        let id = cell_id(self.matrix, run.spec);
+        let id = self.task.identity.cell(self.matrix, run.spec);
         let comparison = compare(&self.truth.frame, &frame)?;
         let (counts, counting_s) = run.prepared.counts(&mut unwatched)?;
         self.passes_s += counting_s;
@@ -307,7 +308,7 @@ impl<'a> Bench<'a> {
             record
         });
         let result = Measured {
-            reference: view_id(self.matrix),
+            reference: self.task.identity.view(self.matrix),
             cloud_pixel_fraction: comparison.cloud_pixel_fraction,
             fallback_fraction: counts.fallbacks as f64 / counts.look_ups.max(1) as f64,
             memory: run.prepared.memory,

@@ -8,30 +8,7 @@ use crate::error::{Error, Result};
 use crate::metrics::summarise;
 use crate::occlusion::MethodSetup;
 use crate::raymarch::PassTimes;
-use serde_json::{Value, json};
-
-/// Names a view: hash of scene and image.
-pub(super) fn view_id(view: &MatrixView) -> String {
-    digest(&json!([view.scene, view.image]))
-}
-
-/// Names a cell: hash of scene, image, method and parameters, and of how its pictures come about where that is not `full`.
-pub(super) fn cell_id(view: &MatrixView, spec: &CellSpec) -> String {
-    let mut all = vec![
-        json!(view.scene),
-        json!(view.image),
-        json!(spec.method),
-        json!(spec.params),
-    ];
-    if !spec.reconstruct.is_full() {
-        all.push(json!(spec.reconstruct));
-    }
-    digest(&Value::Array(all))
-}
-
-fn digest(value: &Value) -> String {
-    blake3::hash(value.to_string().as_bytes()).to_hex()[..16].to_owned()
-}
+use serde_json::json;
 
 /// The method of a cell with its parameters.
 pub(super) fn setup(spec: &CellSpec) -> Result<MethodSetup> {
@@ -69,17 +46,19 @@ pub(super) fn each_round(
 pub(super) fn bare_cell(task: &Task, view: &MatrixView, spec: &CellSpec) -> Cell {
     let environment = task.backend.environment();
     Cell {
+        id: task.identity.cell(view, spec),
         backend: format!("{} {}", environment.backend, environment.device_type),
         ..planned_cell(view, spec)
     }
 }
 
-/// What a record will say of a cell before it is measured anywhere.
+/// What a record will say of a cell before it is measured anywhere; its keys come with the measurement.
 pub fn planned_cell(view: &MatrixView, spec: &CellSpec) -> Cell {
     Cell {
-        id: cell_id(view, spec),
+        id: String::new(),
         index: spec.index,
         scene: view.scene.name.clone(),
+        scene_id: String::new(),
         scene_set: view.scene_set.clone(),
         sun_elevation_deg: view.scene.sun.elevation_deg,
         method: spec.method.clone(),
@@ -108,7 +87,7 @@ pub(super) fn record_failure(
         failed: Some(error.to_string()),
         ..bare_cell(task, view, spec)
     };
-    task.store.put_cell(&cell)?;
+    task.put_cell(view, &cell)?;
     tell(observe, Event::Cell(Box::new(cell)))
 }
 

@@ -5,7 +5,7 @@
 //! Runs after the timed rounds. A cell's number joins its record when the movement is over, so that a killed run has
 //! lost no cell; the truths of the frames it has seen are in the cache.
 
-use super::cell::{cell_id, setup};
+use super::cell::setup;
 use super::record::{Cell, Measured, TrackRecord};
 use super::{Event, Observer, Task, stage, tell};
 use crate::backend::View;
@@ -47,7 +47,7 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
         }
         passes_s += run_track(task, matrix, *track, &mut cases, observe)?;
         for case in cases {
-            record(task, case, *track, observe)?;
+            record(task, matrix, case, *track, observe)?;
         }
     }
     Ok(passes_s)
@@ -60,7 +60,7 @@ fn open_case(
     spec: &CellSpec,
     track: Track,
 ) -> Result<Option<Case>> {
-    let mut cell = task.store.cell(&cell_id(matrix, spec))?;
+    let mut cell = task.store.cell(&task.identity.cell(matrix, spec))?;
     let noted = |result: &Measured| {
         let start = note(track, "");
         result.notes.iter().any(|note| note.starts_with(&start))
@@ -153,7 +153,13 @@ fn run_case(task: &Task, view: &View, truth: &Truth, case: &mut Case) -> Result<
 }
 
 /// Adds the number, or why there is none, to the cell's record.
-fn record(task: &Task, case: Case, track: Track, observe: Observer) -> Result<()> {
+fn record(
+    task: &Task,
+    matrix: &MatrixView,
+    case: Case,
+    track: Track,
+    observe: Observer,
+) -> Result<()> {
     let Case {
         mut cell, flicker, ..
     } = case;
@@ -172,7 +178,7 @@ fn record(task: &Task, case: Case, track: Track, observe: Observer) -> Result<()
             result.notes.push(note);
         }
     }
-    task.store.put_cell(&cell)
+    task.put_cell(matrix, &cell)
 }
 
 /// The number that a movement gives.

@@ -6,7 +6,10 @@ mod cell;
 pub mod clock;
 mod decompose;
 mod flicker;
+mod identity;
+pub(crate) mod lock;
 mod pictures;
+mod plan;
 mod reconstruct;
 pub mod record;
 mod rounds;
@@ -14,16 +17,18 @@ mod store;
 mod view_steps;
 
 use crate::backend::Backend;
-use crate::config::{Experiment, Matrix, View as MatrixView, expand};
+use crate::config::{Experiment, View as MatrixView};
 use crate::error::{Error, Result};
-use crate::occlusion::Registry;
 use crate::raymarch::TruthCache;
 pub use cell::planned_cell;
-use record::{Cell, Report, SCHEMA};
+use identity::Identity;
+use lock::Lock;
+pub use plan::{Plan, report_file};
+use record::{Cell, Reference, Report, SCHEMA, SceneRecord, WallClock};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use store::Store;
+use store::{State, Store};
 
 /// What happens during a batch.
 #[derive(Clone, Debug)]
@@ -67,7 +72,16 @@ struct Task<'a> {
     experiment: &'a Experiment,
     backend: &'a Backend,
     store: &'a Store,
+    identity: &'a Identity,
     cache: Option<&'a TruthCache>,
+}
+
+impl Task<'_> {
+    /// Records a cell, unless the file that it shows has changed since the batch began.
+    fn put_cell(&self, view: &MatrixView, cell: &Cell) -> Result<()> {
+        self.identity.check(&view.scene)?;
+        self.store.put_cell(cell)
+    }
 }
 
 /// Runs what is missing of an experiment in `folder`; returns the report, which is not yet written.
@@ -78,20 +92,37 @@ pub fn run(
     cache: Option<&TruthCache>,
     observe: Observer,
 ) -> Result<Report> {
+    let plan = Plan::new(experiment.clone())?;
+    measure(&plan, backend, folder, cache, observe)
+}
+
+/// Runs what is missing of a plan in `folder`, which no other run may use meanwhile; returns the report, which is not yet
+/// written.
+pub fn measure(
+    plan: &Plan,
+    backend: &Backend,
+    folder: &Path,
+    cache: Option<&TruthCache>,
+    observe: Observer,
+) -> Result<Report> {
     let start = Instant::now();
     let compiled_s = backend.compile_s();
-    let matrix = expand(experiment, &Registry)?;
-    let mut store = Store::open(
-        folder,
-        experiment.document().value(),
-        &backend.environment(),
-    )?;
-    let done = matrix
-        .views
-        .iter()
-        .flat_map(|v| v.cells.iter().map(move |c| cell::cell_id(v, c)))
-        .filter(|id| store.has(id))
-        .count();
+    let _lock = Lock::take(folder)?;
+    let matrix = plan.matrix();
+    let identity = Identity::new(backend, matrix)?;
+    let wanted = State {
+        experiment: plan.recorded().clone(),
+        environment: backend.environment(),
+        sources: identity.sources().to_owned(),
+        inputs: identity.hashes(),
+        wall: WallClock::default(),
+    };
+    let (mut store, found) = Store::open(folder, wanted)?;
+    let cells = matrix.views.iter().flat_map(|v| {
+        let ids = v.cells.iter().map(move |c| (v, c));
+        ids.map(|(v, c)| identity.cell(v, c))
+    });
+    let done = cells.filter(|id| store.has(id)).count();
     tell(
         observe,
         Event::Planned {
@@ -99,15 +130,17 @@ pub fn run(
             done,
         },
     )?;
-    for note in &matrix.notes {
+    let again = plan.differs_from(identity.sources(), &store.state().environment.commit);
+    for note in found.iter().chain(&again).chain(&matrix.notes) {
         tell(observe, Event::Note(note.clone()))?;
     }
     let mut passes_s = 0.0;
     let mut outcome = Ok(());
     let task = Task {
-        experiment,
+        experiment: plan.experiment(),
         backend,
         store: &store,
+        identity: &identity,
         cache,
     };
     for view in &matrix.views {
@@ -126,7 +159,7 @@ pub fn run(
         backend.compile_s() - compiled_s,
     )?;
     outcome?;
-    assemble(&matrix, &store)
+    assemble(plan, &identity, &store)
 }
 
 /// Timed rounds, then flicker and ghosting; returns the seconds spent in passes.
@@ -136,30 +169,45 @@ fn run_view(task: &Task, view: &MatrixView, observe: Observer) -> Result<f64> {
     Ok(timed_s + flicker_s + reconstruct::run_view(task, view, observe)?)
 }
 
-/// The report of a folder from its records alone.
-fn assemble(matrix: &Matrix, store: &Store) -> Result<Report> {
+/// The report of a folder from its records and its plan. Records are named by content, so that one may have been measured
+/// under another name of its file: what a cell is called is taken from the plan.
+fn assemble(plan: &Plan, identity: &Identity, store: &Store) -> Result<Report> {
     let mut cells = Vec::new();
     let mut references = Vec::new();
     let mut clock = Vec::new();
-    for view in &matrix.views {
-        references.extend(store.reference(&cell::view_id(view))?);
-        for spec in &view.cells {
-            let id = cell::cell_id(view, spec);
-            let mut cell = store.cell(&id)?;
-            cell.index = spec.index;
-            cells.push(cell);
+    let mut scenes: Vec<SceneRecord> = Vec::new();
+    for view in &plan.matrix().views {
+        let scene = identity.scene(&view.scene, store.folder());
+        let id = identity.view(view);
+        if references.iter().all(|known: &Reference| known.id != id) {
+            references.extend(store.reference(&id)?);
+            clock.extend(store.clock(&id)?);
         }
-        clock.extend(store.clock(&cell::view_id(view))?);
+        for spec in &view.cells {
+            cells.push(Cell {
+                index: spec.index,
+                scene_id: scene.id.clone(),
+                scene_set: view.scene_set.clone(),
+                ..store.cell(&identity.cell(view, spec))?
+            });
+        }
+        if scenes.iter().all(|known| known.id != scene.id) {
+            scenes.push(scene);
+        }
     }
+    let state = store.state();
     Ok(Report {
         schema: SCHEMA.to_owned(),
-        environment: store.state().environment.clone(),
-        experiment: store.state().experiment.clone(),
+        environment: state.environment.clone(),
+        sources: state.sources.clone(),
+        experiment: state.experiment.clone(),
+        scenes,
+        inputs: identity.files(store.folder()),
         cells,
         references,
         clock,
         claims: Vec::new(),
-        wall: store.state().wall.clone(),
+        wall: state.wall.clone(),
     })
 }
 

@@ -5,7 +5,7 @@
 //! come up, and not a history fill. Runs after the timed rounds, as flicker does, and joins the record when it is over.
 
 use super::block::BLOCK_BYTES;
-use super::cell::{cell_id, setup};
+use super::cell::setup;
 use super::record::{Cell, Ghosting, Measured, Reconstruction};
 use super::{Event, Observer, Task, stage, tell};
 use crate::backend::{History, Prepared, View, history_bytes};
@@ -99,7 +99,7 @@ fn open_cell(
     spec: &CellSpec,
     track: CameraTrack,
 ) -> Result<Option<Cell>> {
-    let cell = task.store.cell(&cell_id(matrix, spec))?;
+    let cell = task.store.cell(&task.identity.cell(matrix, spec))?;
     let open = |result: &Measured| {
         let start = note(track, "");
         let noted = result.notes.iter().any(|note| note.starts_with(&start));
@@ -220,7 +220,7 @@ fn record(
             result.notes.push(note);
         }
     }
-    task.store.put_cell(&cell)
+    task.put_cell(matrix, &cell)
 }
 
 fn note(track: CameraTrack, reason: &str) -> String {

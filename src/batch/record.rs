@@ -23,8 +23,18 @@ pub struct Report {
     pub schema: String,
     /// Where the numbers come from.
     pub environment: Environment,
-    /// The experiment as it was read, for reruns.
+    /// Hash of the sources that decided the numbers; empty in reports of earlier versions.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub sources: String,
+    /// The experiment as it was read.
     pub experiment: Value,
+    /// The scenes that the cells show, each once: with them and the experiment's counts `occlab batch` measures a report
+    /// again. Empty in reports of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scenes: Vec<SceneRecord>,
+    /// The files that the scenes read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub inputs: Vec<InputFile>,
     /// One entry a cell of the matrix, in matrix order; failed cells are kept.
     pub cells: Vec<Cell>,
     /// The truths the cells were compared with.
@@ -36,6 +46,29 @@ pub struct Report {
     pub claims: Vec<Value>,
     /// Wall-clock account of the whole run.
     pub wall: WallClock,
+}
+
+/// A scene as it was measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneRecord {
+    /// Key that cells name in `scene_id`.
+    pub id: String,
+    /// The whole scene, values that the experiment sets and defaults included. Paths are relative to the report's folder.
+    #[schemars(with = "crate::scene::Scene")]
+    pub scene: Value,
+}
+
+/// A file that scenes read, as it was when it was measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InputFile {
+    /// Its path, as the scenes name it.
+    pub path: String,
+    /// Its length.
+    pub bytes: u64,
+    /// BLAKE3 of its content, 64 hexadecimal digits.
+    pub blake3: String,
 }
 
 /// Where the wall-clock time of a batch went, in seconds, summed over resumed runs.
@@ -105,12 +138,16 @@ pub struct TrackRecord {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cell {
-    /// Stable key: hash of everything that determines the cell.
+    /// Stable key: hash of everything that decides the cell's numbers, contents of files and sources of the program
+    /// included.
     pub id: String,
     /// Position in the matrix, from 0.
     pub index: usize,
     /// Scene name.
     pub scene: String,
+    /// Key of its scene in `scenes`; empty in reports of earlier versions.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub scene_id: String,
     /// Scene values that this experiment varies or overrides, by JSON pointer.
     pub scene_set: Map<String, Value>,
     /// Sun elevation in degrees.
@@ -308,7 +345,12 @@ impl Report {
     /// Reads `report.json` of a folder.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(Error::reading(path))?;
-        let report: Self = serde_json::from_str(&text).map_err(|e| {
+        Self::parse(path, &text)
+    }
+
+    /// The same from the file's text; `path` is for messages.
+    pub(super) fn parse(path: &Path, text: &str) -> Result<Self> {
+        let report: Self = serde_json::from_str(text).map_err(|e| {
             Error::input(
                 path.display().to_string(),
                 e.to_string(),

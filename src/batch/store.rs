@@ -7,6 +7,7 @@ use crate::frame::atomic::write_atomic;
 use crate::gpu::Environment;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,12 @@ use std::path::{Path, PathBuf};
 pub(super) struct State {
     pub experiment: Value,
     pub environment: Environment,
+    /// Hash of the sources that decide the numbers; empty in folders of earlier versions.
+    #[serde(default)]
+    pub sources: String,
+    /// Hashes of the files that the scenes read, as the last run found them.
+    #[serde(default)]
+    pub inputs: BTreeMap<String, String>,
     pub wall: WallClock,
 }
 
@@ -26,24 +33,25 @@ pub(super) struct Store {
 const STATE: &str = "batch.json";
 
 impl Store {
-    /// Opens a folder for an experiment on an adapter, or makes it. Records of anything else are refused, not mixed.
-    pub fn open(folder: &Path, experiment: &Value, environment: &Environment) -> Result<Self> {
+    /// Opens a folder for what a run wants to record, or makes it; also what the person who runs it should know. Records of
+    /// anything else are refused, not mixed.
+    pub fn open(folder: &Path, wanted: State) -> Result<(Self, Vec<String>)> {
         for sub in ["cells", "references", "clock", "images"] {
             let path = folder.join(sub);
             std::fs::create_dir_all(&path).map_err(Error::writing(&path))?;
         }
         let path = folder.join(STATE);
-        let fresh = State {
-            experiment: experiment.clone(),
-            environment: environment.clone(),
-            wall: WallClock::default(),
-        };
+        let mut notes = Vec::new();
         let state = match path.exists() {
-            false => fresh,
+            false => wanted,
             true => {
                 let found: State = read(&path)?;
-                refuse_other(folder, &found, &fresh)?;
-                found
+                refuse_other(folder, &found, &wanted)?;
+                notes = differences(&found, &wanted);
+                State {
+                    inputs: wanted.inputs,
+                    ..found
+                }
             }
         };
         let store = Self {
@@ -51,11 +59,15 @@ impl Store {
             state,
         };
         store.write(STATE, &store.state)?;
-        Ok(store)
+        Ok((store, notes))
     }
 
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// A path below the folder.
@@ -140,26 +152,57 @@ impl Store {
 }
 
 fn refuse_other(folder: &Path, found: &State, wanted: &State) -> Result<()> {
-    let place = folder.display().to_string();
-    let remedy = "Name another folder with --out, or remove this one.";
+    let refused = |problem: String| {
+        let remedy = "Name another folder with --out, or remove this one.";
+        Err(Error::input(folder.display().to_string(), problem, remedy))
+    };
     if found.experiment != wanted.experiment {
-        return Err(Error::input(
-            place,
-            "the folder holds the records of another experiment",
-            remedy,
+        return refused("the folder holds the records of another experiment".to_owned());
+    }
+    let (theirs, ours) = (&found.environment, &wanted.environment);
+    if found.sources != wanted.sources {
+        let sources = |state: &State| match state.sources.get(..12) {
+            None if state.sources.is_empty() => "sources not recorded".to_owned(),
+            start => format!("sources {}", start.unwrap_or(&state.sources)),
+        };
+        return refused(format!(
+            "the folder was measured by {} ({}), this program is {} ({}), and numbers of different sources are not mixed",
+            theirs.commit,
+            sources(found),
+            ours.commit,
+            sources(wanted)
         ));
     }
-    if found.environment != wanted.environment {
-        let problem = format!(
-            "the folder holds records from `{}` ({}), this run is on `{}` ({})",
-            found.environment.adapter,
-            found.environment.commit,
-            wanted.environment.adapter,
-            wanted.environment.commit
-        );
-        return Err(Error::input(place, problem, remedy));
+    // The commit says no more than the sources do: one that changed none of them makes the same numbers.
+    let machine = |environment: &Environment| Environment {
+        commit: String::new(),
+        ..environment.clone()
+    };
+    if machine(theirs) != machine(ours) {
+        return refused(format!(
+            "the folder holds records from `{}` ({}; {}), this run is on `{}` ({}; {})",
+            theirs.adapter, theirs.driver, theirs.host, ours.adapter, ours.driver, ours.host
+        ));
     }
     Ok(())
+}
+
+/// What differs since the last run, though its records may be kept.
+fn differences(found: &State, wanted: &State) -> Vec<String> {
+    let (theirs, ours) = (&found.environment.commit, &wanted.environment.commit);
+    let program = (theirs != ours).then(|| {
+        format!(
+            "the folder was begun by {theirs}, this program is {ours}; the sources that decide numbers are the same"
+        )
+    });
+    let changed = found.inputs.iter().filter(|(path, hash)| {
+        let now = wanted.inputs.get(*path);
+        now.is_some_and(|now| now != *hash)
+    });
+    let changed = changed.map(|(path, _)| {
+        format!("{path} has changed since the last run: what it is seen in is measured again")
+    });
+    program.into_iter().chain(changed).collect()
 }
 
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
@@ -201,8 +244,96 @@ mod tests {
     }
 
     fn open(folder: &Path) -> Result<Store> {
+        Store::open(folder, state()).map(|(store, _)| store)
+    }
+
+    fn state() -> State {
         let report = report();
-        Store::open(folder, &report.experiment, &report.environment)
+        State {
+            experiment: report.experiment,
+            environment: report.environment,
+            sources: "a".repeat(64),
+            inputs: BTreeMap::from([("cloud.npy".to_owned(), "b".repeat(64))]),
+            wall: WallClock::default(),
+        }
+    }
+
+    fn opened_as(edit: impl FnOnce(&mut State)) -> Result<Vec<String>> {
+        let folder = tempfile::tempdir().expect("folder");
+        open(folder.path())?;
+        let mut other = state();
+        edit(&mut other);
+        Store::open(folder.path(), other).map(|(_, notes)| notes)
+    }
+
+    #[test]
+    fn records_of_other_sources_or_machines_are_refused_by_name() {
+        let refused = |edit: &dyn Fn(&mut State), words: &[&str]| {
+            let error = opened_as(edit).expect_err("refused").to_string();
+            for word in words.iter().chain(&["--out"]) {
+                assert!(error.contains(word), "{word}: {error}");
+            }
+        };
+        let (commit, adapter) = (report().environment.commit, report().environment.adapter);
+        refused(
+            &|state| {
+                state.sources = "c".repeat(64);
+                state.environment.commit = "occlab 9.9 (c0ffee)".to_owned();
+            },
+            &[
+                &commit,
+                "occlab 9.9 (c0ffee)",
+                "aaaaaaaaaaaa",
+                "cccccccccccc",
+            ],
+        );
+        refused(
+            &|state| state.sources = String::new(),
+            &["sources not recorded"],
+        );
+        refused(
+            &|state| state.environment.adapter = "another adapter".to_owned(),
+            &[&adapter, "another adapter"],
+        );
+        refused(
+            &|state| state.experiment = Value::Null,
+            &["another experiment"],
+        );
+    }
+
+    #[test]
+    fn a_folder_of_a_version_that_recorded_no_sources_is_refused() {
+        let folder = tempfile::tempdir().expect("folder");
+        open(folder.path()).expect("store");
+        let path = folder.path().join(STATE);
+        let mut old: Value =
+            serde_json::from_slice(&std::fs::read(&path).expect("state")).expect("state");
+        let members = old.as_object_mut().expect("members");
+        members.remove("sources");
+        members.remove("inputs");
+        std::fs::write(&path, old.to_string()).expect("written");
+        let error = open(folder.path()).err().expect("refused").to_string();
+        assert!(error.contains("sources not recorded"), "{error}");
+    }
+
+    #[test]
+    fn what_changed_without_spoiling_records_is_told() {
+        assert_eq!(opened_as(|_| ()).expect("the same"), [""; 0]);
+        let notes = opened_as(|state| state.environment.commit = "occlab 9.9".to_owned());
+        let notes = notes.expect("the same sources");
+        assert!(
+            notes.len() == 1 && notes[0].contains("occlab 9.9"),
+            "{notes:?}"
+        );
+        let notes = opened_as(|state| {
+            state.inputs.insert("cloud.npy".to_owned(), String::new());
+            state.inputs.insert("new.npy".to_owned(), String::new());
+        });
+        let notes = notes.expect("the same experiment");
+        assert!(
+            notes.len() == 1 && notes[0].contains("cloud.npy"),
+            "{notes:?}"
+        );
     }
 
     fn names(error: &Error, file: &str) -> bool {
@@ -223,11 +354,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("folder");
         let store = Store {
             folder: folder.path().to_owned(),
-            state: State {
-                experiment: Value::Null,
-                environment: report().environment,
-                wall: WallClock::default(),
-            },
+            state: state(),
         };
         for (file, bytes) in &*FILLED {
             let path = store.path(file);

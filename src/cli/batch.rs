@@ -3,19 +3,20 @@
 use super::progress::bar;
 use super::{Device, print_path, say};
 use occlab::batch::record::{Cell, Clock, Report};
-use occlab::batch::{Event, report_folder, run};
-use occlab::config::{describe, expand, load_experiment};
-use occlab::occlusion::Registry;
+use occlab::batch::{Event, Plan, measure, report_file, report_folder};
+use occlab::config::{describe, load_experiment};
+use occlab::error::Error;
 use occlab::raymarch::TruthCache;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub struct Batch {
-    /// Experiment file; any value in it may be a list, lists multiply into the matrix.
+    /// Experiment file; any value in it may be a list, lists multiply into the matrix. Or a report, by its folder or its
+    /// report.json: its cells are measured again, from the scenes and parameters that it holds.
     config: PathBuf,
-    /// Report folder; default: reports/NAME of the experiment.
+    /// Report folder; default: reports/NAME of the experiment. A report needs another than its own.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print the matrix and stop.
@@ -30,14 +31,21 @@ pub struct Batch {
 
 impl Batch {
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        let experiment = load_experiment(&self.config)?;
+        let report = report_file(&self.config);
+        let plan = match &report {
+            Some(report) => Plan::of_report(report)?,
+            None => Plan::new(load_experiment(&self.config)?)?,
+        };
         if self.dry_run {
-            say(describe(&expand(&experiment, &Registry)?).trim_end())?;
+            say(describe(plan.matrix()).trim_end())?;
             return Ok(ExitCode::SUCCESS);
         }
-        let folder = self
-            .out
-            .unwrap_or_else(|| report_folder(&PathBuf::from("reports"), &experiment.name));
+        let folder = match report {
+            Some(report) => another_folder(&report, self.out)?,
+            None => self
+                .out
+                .unwrap_or_else(|| report_folder(&PathBuf::from("reports"), plan.name())),
+        };
         let backend = self.device.open()?;
         let cache = match self.no_cache {
             true => None,
@@ -45,16 +53,10 @@ impl Batch {
         };
         let quiet = self.device.quiet;
         let progress = bar(0, quiet);
-        let report = run(
-            &experiment,
-            &backend,
-            &folder,
-            cache.as_ref(),
-            &mut |event| {
-                show(&progress, quiet, event);
-                ControlFlow::Continue(())
-            },
-        )?;
+        let report = measure(&plan, &backend, &folder, cache.as_ref(), &mut |event| {
+            show(&progress, quiet, event);
+            ControlFlow::Continue(())
+        })?;
         progress.finish_and_clear();
         let page = occlab::report::write(&folder, &report)?;
         if !quiet {
@@ -67,6 +69,21 @@ impl Batch {
         } else {
             ExitCode::SUCCESS
         })
+    }
+}
+
+/// The folder for a report that is measured again: one that does not hold the old records.
+fn another_folder(report: &Path, out: Option<PathBuf>) -> Result<PathBuf, Error> {
+    let real = |path: &Path| path.canonicalize().ok();
+    let parent = report.parent().filter(|p| !p.as_os_str().is_empty());
+    let own = real(parent.unwrap_or(Path::new(".")));
+    match out {
+        Some(out) if own.is_none() || real(&out) != own => Ok(out),
+        _ => Err(Error::input(
+            report.display().to_string(),
+            "a report is measured again into a folder of its own",
+            "Name a new one with --out.",
+        )),
     }
 }
 

@@ -134,6 +134,12 @@ pub fn parse_experiment(path: &Path, text: String) -> Result<Experiment> {
     from_document(Document::parse(path, text)?)
 }
 
+/// An experiment that `value` describes and that was made of a file `path` which holds `text`: errors name that file, and
+/// their place in it where it has a value of the same pointer.
+pub(crate) fn experiment_of(path: &Path, text: String, value: Value) -> Result<Experiment> {
+    from_document(Document::parse(path, text)?.part(value, ""))
+}
+
 impl Experiment {
     /// The file: for error places, and for the copy kept in the report.
     pub fn document(&self) -> &Document {

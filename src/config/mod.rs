@@ -34,6 +34,7 @@ pub use study::{
     study_profiles,
 };
 
+pub(crate) use experiment::experiment_of;
 pub(crate) use suggest::sentence as suggestion;
 
 use crate::error::Result;

@@ -2,8 +2,9 @@
 
 use crate::error::{Error, Result};
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// How the name of a file begins and ends while it is being written.
 pub(crate) const UNFINISHED: (&str, &str) = (".occlab-", ".part");
@@ -16,6 +17,30 @@ pub(crate) fn write_atomic(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
 ) -> Result<()> {
+    temporary(path, fill)?
+        .persist(path)
+        .map_err(|e| Error::writing(path)(e.error))?;
+    Ok(())
+}
+
+/// The same where there is no such file yet; `false`, and nothing changed, where there is one. Of several processes that
+/// try at once one succeeds, on network file systems too.
+pub(crate) fn create_atomic(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
+) -> Result<bool> {
+    match temporary(path, fill)?.persist_noclobber(path) {
+        Ok(_) => Ok(true),
+        Err(e) if e.error.kind() == ErrorKind::AlreadyExists => Ok(false),
+        Err(e) => Err(Error::writing(path)(e.error)),
+    }
+}
+
+/// A whole file beside `path`, on the disk.
+fn temporary(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
+) -> Result<NamedTempFile> {
     let folder = path
         .parent()
         .filter(|p| !p.as_os_str().is_empty())
@@ -36,10 +61,7 @@ pub(crate) fn write_atomic(
         .as_file()
         .sync_all()
         .map_err(Error::writing(path))?;
-    temporary
-        .persist(path)
-        .map_err(|e| Error::writing(path)(e.error))?;
-    Ok(())
+    Ok(temporary)
 }
 
 #[cfg(test)]
@@ -57,6 +79,21 @@ mod tests {
         });
         assert!(failed.is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn creating_keeps_the_file_that_is_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        let create = |content: &'static [u8]| {
+            create_atomic(&path, |file| {
+                file.write_all(content).map_err(Error::writing(&path))
+            })
+            .unwrap()
+        };
+        assert!(create(b"first") && !create(b"second"));
+        assert_eq!(std::fs::read(&path).unwrap(), b"first");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

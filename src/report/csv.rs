@@ -1,12 +1,14 @@
 //! `cells.csv`: one row a cell, every scalar of the record under its dotted name.
 
-use crate::batch::record::{Decomposition, Measured, Report, Times};
+use super::fields;
+use crate::batch::record::Report;
 use crate::error::{Error, Result};
-use crate::metrics::{ErrorNumbers, Stats};
-use crate::raymarch::{Memory, Samples};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
+
+/// What begins the names of measurements that only temporal integration has.
+const TEMPORAL: [&str; 2] = ["time_ms.reconstruct.", "reconstruction."];
 
 /// The table as text. Columns: the cell's key, `params.*` and `scene_set.*` as the union over all cells, `failed`, the
 /// measurements, those of temporal integration where a cell has them, `files.*`. A value that a cell does not have is empty.
@@ -72,7 +74,7 @@ fn columns(rows: &[BTreeMap<String, String>]) -> Vec<String> {
         names
     };
     let named = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
-    let mut out = named(&["index", "id", "scene"]);
+    let mut out = named(&["index", "id", "scene", "scene_id"]);
     out.extend(union("scene_set."));
     out.extend(named(&["sun_elevation_deg", "method"]));
     out.extend(union("params."));
@@ -83,56 +85,19 @@ fn columns(rows: &[BTreeMap<String, String>]) -> Vec<String> {
     );
     out.extend(named(&["backend", "image.width", "image.height", "failed"]));
     out.extend(measurements());
-    out.extend(union("time_ms.reconstruct."));
-    out.extend(union("reconstruction."));
+    TEMPORAL.iter().for_each(|start| out.extend(union(start)));
+    let mut rest = union("");
+    rest.retain(|name| !out.contains(name) && !name.starts_with("files."));
+    out.extend(rest);
     out.extend(union("files."));
     out
 }
 
-/// Names of all measurements, taken from a record in which nothing is absent.
-fn measurements() -> Vec<String> {
-    let stats = Some(Stats::default());
-    let full = Measured {
-        reference: String::new(),
-        cloud_pixel_fraction: 0.0,
-        fallback_fraction: 0.0,
-        memory: Memory {
-            allocator_bytes: Some(0),
-            ..Memory::default()
-        },
-        time_ms: Times {
-            generate: stats,
-            march: stats,
-            reconstruct: None,
-            total: stats,
-            wall: stats,
-        },
-        frames_in_flight: 1,
-        rounds_total_ms: Vec::new(),
-        rounds_generate_ms: Vec::new(),
-        block: 0,
-        samples: Samples::default(),
-        look_ups: 0,
-        error: ErrorNumbers {
-            floor_rel_rmse: Some(0.0),
-            flicker: Some(0.0),
-            flicker_sun: Some(0.0),
-            psnr_db: Some(0.0),
-            ..ErrorNumbers::default()
-        },
-        decomposition: Some(Decomposition {
-            ample_steps: Some(0),
-            ample_resolution: Some(0),
-            noise_filter: Some(String::new()),
-            ..Decomposition::default()
-        }),
-        reconstruction: None,
-        notes: Vec::new(),
-        files: Map::new(),
-    };
-    let mut names = Vec::new();
-    if let Ok(Value::Object(map)) = serde_json::to_value(full) {
-        flatten("", &map, &mut |name, _| names.push(name));
-    }
-    names
+/// Names of all measurements but those of temporal integration, which have columns only where a cell has them.
+fn measurements() -> impl Iterator<Item = String> {
+    let temporal = |name: &str| TEMPORAL.iter().any(|start| name.starts_with(start));
+    let scalars = fields::measured().iter().filter(|field| field.scalar);
+    scalars
+        .map(|field| field.name.clone())
+        .filter(move |name| !temporal(name))
 }

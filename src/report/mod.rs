@@ -17,6 +17,7 @@
 pub(crate) mod charts;
 mod contact;
 mod csv;
+pub(crate) mod fields;
 pub(crate) mod files;
 pub(crate) mod format;
 pub(crate) mod page;
@@ -27,6 +28,8 @@ mod stability;
 pub(crate) mod style;
 pub(crate) mod view;
 
+#[cfg(test)]
+mod complete_tests;
 #[cfg(test)]
 pub(crate) mod fixture;
 #[cfg(test)]
@@ -42,18 +45,6 @@ use std::path::{Path, PathBuf};
 pub use pareto::frontier;
 pub use stability::write as write_stability;
 pub use style::{Marker, Style};
-
-/// First words of the file names that mark the files in `charts/` as the report's own.
-const FIGURES: [&str; 8] = [
-    "error-time",
-    "error-bytes",
-    "error-steps",
-    "time",
-    "memory",
-    "methods",
-    "three-errors",
-    "ghosting",
-];
 
 /// Writes `report.json`, `cells.csv`, `charts/*.svg`, the contact sheets `charts/methods-*.png` and `index.html` into
 /// `folder`; returns the path of the page.
@@ -73,7 +64,8 @@ pub fn write(folder: &Path, report: &Report) -> Result<PathBuf> {
         .iter()
         .map(|c| (c.file.as_str(), c.svg.as_bytes()))
         .chain(sheets.iter().map(|s| (s.file.as_str(), s.png.as_slice())));
-    files::replace_all(&folder.join("charts"), &FIGURES, figures)?;
+    let kinds: Vec<&str> = charts::kinds().chain([contact::KIND]).collect();
+    files::replace_all(&folder.join("charts"), &kinds, figures)?;
     let page = folder.join("index.html");
     files::write(
         &page,

@@ -1,5 +1,6 @@
 //! The records as text: pretty JSON that reads back as the very records it was written from.
 
+use super::fields;
 use crate::batch::record::{Cell, Measured, Report};
 use crate::error::{Error, Result};
 use serde_json::Value;
@@ -59,21 +60,11 @@ fn fail_non_finite(cell: &mut Cell) {
     cell.result = None;
 }
 
-/// Fields a record may leave empty: their `null` is no failure.
-const OPTIONAL: [&str; 12] = [
-    "memory.allocator_bytes",
-    "time_ms.generate",
-    "time_ms.march",
-    "time_ms.total",
-    "time_ms.wall",
-    "error.floor_rel_rmse",
-    "error.flicker",
-    "error.flicker_sun",
-    "error.psnr_db",
-    "decomposition.ample_steps",
-    "decomposition.ample_resolution",
-    "decomposition.noise_filter",
-];
+/// Is it a field that a record may leave empty, so that its `null` is no failure?
+fn optional(name: &str) -> bool {
+    let mut fields = fields::measured().iter();
+    fields.any(|field| field.optional && field.name == name)
+}
 
 fn nulls(value: &Value, name: &str, out: &mut Vec<String>) {
     let join = |key: &str| {
@@ -84,7 +75,7 @@ fn nulls(value: &Value, name: &str, out: &mut Vec<String>) {
         }
     };
     match value {
-        Value::Null if !OPTIONAL.contains(&name) => out.push(name.to_owned()),
+        Value::Null if !optional(name) => out.push(name.to_owned()),
         Value::Object(map) => map.iter().for_each(|(k, v)| nulls(v, &join(k), out)),
         Value::Array(items) => items
             .iter()

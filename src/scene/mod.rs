@@ -28,7 +28,7 @@ pub use track::Track;
 use crate::error::{Error, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A complete scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -89,12 +89,28 @@ impl Scene {
         }
     }
 
+    /// The file that decides what is seen beside the scene itself, if there is one.
+    pub fn input_file(&self) -> Option<&Path> {
+        match &self.density {
+            Density::Volume(volume) => Some(&volume.path),
+            Density::Uniform { .. } | Density::Procedural(_) => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn input_file_mut(&mut self) -> Option<&mut PathBuf> {
+        match &mut self.density {
+            Density::Volume(volume) => Some(&mut volume.path),
+            Density::Uniform { .. } | Density::Procedural(_) => None,
+        }
+    }
+
     /// Makes a relative volume path relative to `folder`, the one that holds the scene file.
     pub fn resolve_paths(&mut self, folder: &Path) {
-        if let Density::Volume(volume) = &mut self.density
-            && volume.path.is_relative()
+        if let Some(path) = self.input_file_mut()
+            && path.is_relative()
         {
-            volume.path = folder.join(&volume.path);
+            *path = folder.join(&*path);
         }
     }
 }

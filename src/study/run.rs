@@ -5,7 +5,7 @@ use super::claims::{self, Claim};
 use super::select::Records;
 use super::{EXPERIMENTS, Outcome, conclude};
 use crate::backend::Backend;
-use crate::batch::{self, record::Report};
+use crate::batch::{self, lock::Lock, record::Report};
 use crate::config::{CellSpec, Experiment, Matrix, Study, Test, View, expand};
 use crate::error::Result;
 use crate::occlusion::Registry;
@@ -129,6 +129,8 @@ pub fn run(
     let forecasts: Vec<Forecast> = entries
         .map(|(e, matrix)| Forecast::new(&e.experiment, matrix))
         .collect();
+    // Each experiment locks its own folder, too; this keeps a second run of the study from its pages.
+    let _lock = Lock::take(folder)?;
     let mut meter = Meter::new(forecasts.iter().map(Forecast::total).sum());
     let mut reports: Vec<(String, Report)> = Vec::new();
     for (index, (entry, forecast)) in study.experiments.iter().zip(&forecasts).enumerate() {

@@ -214,7 +214,7 @@ pub fn value_of(cell: &Cell, axis: &str) -> Option<f64> {
 }
 
 /// Names of the numbers that [`metric`] knows.
-pub const METRICS: [&str; 17] = [
+pub const METRICS: [&str; 21] = [
     "total_ms",
     "generate_ms",
     "payload_bytes",
@@ -225,10 +225,14 @@ pub const METRICS: [&str; 17] = [
     "leak",
     "darken",
     "p99_abs",
+    "max_abs",
     "transmittance_rmse",
     "edge_bias",
     "flip_mean",
     "flip_p99",
+    "psnr_db",
+    "ssim",
+    "nonfinite",
     "flicker",
     "flicker_sun",
     "cloud_pixel_fraction",
@@ -252,10 +256,14 @@ pub fn metric(found: &Found<'_>, name: &str) -> Result<Repeated, String> {
         "leak" => Some(error.leak),
         "darken" => Some(-error.darken),
         "p99_abs" => Some(error.p99_abs),
+        "max_abs" => Some(error.max_abs),
         "transmittance_rmse" => Some(error.transmittance_rmse),
         "edge_bias" => error.edge_bias,
         "flip_mean" => Some(error.flip_mean),
         "flip_p99" => Some(error.flip_p99),
+        "psnr_db" => error.psnr_db,
+        "ssim" => Some(error.ssim),
+        "nonfinite" => Some(error.nonfinite as f64),
         "flicker" => error.flicker,
         "flicker_sun" => error.flicker_sun,
         "cloud_pixel_fraction" => Some(numbers.cloud_pixel_fraction),
@@ -313,6 +321,7 @@ mod tests {
         let cell = made.cell("a", json!({}), &[1.0, 2.0, 3.0]);
         if let Some(result) = &mut cell.result {
             (result.error.flicker, result.error.flicker_sun) = (Some(0.1), Some(0.2));
+            result.error.psnr_db = Some(40.0);
             result.error.darken = -0.25;
         }
         let records = made.records();
@@ -320,6 +329,11 @@ mod tests {
         let found = records.find(&pick).unwrap();
         for name in METRICS {
             metric(&found, name).unwrap();
+        }
+        for field in crate::report::fields::measured() {
+            if let Some(name) = field.name.strip_prefix("error.") {
+                assert!(METRICS.contains(&name), "`{name}` cannot be asked for");
+            }
         }
         assert_eq!(metric(&found, "darken").unwrap().interval.value, 0.25);
         let error = metric(&found, "beauty").unwrap_err();

@@ -3,6 +3,9 @@
 use super::damage::{cases, changed, changes, damaged, edits, json, text};
 use super::is_one_paragraph;
 use occlab::batch::record::Report;
+use occlab::batch::{Plan, planned_cell};
+use occlab::config::{describe, expand, parse_experiment};
+use occlab::occlusion::Registry;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -77,8 +80,82 @@ pub fn is_inert(html: &str) {
     }
 }
 
+/// Experiment of a slab and a volume, and the report of it.
+fn measured() -> (Value, Value) {
+    let scene = |name: &str, density: Value| {
+        json!({
+            "name": name,
+            "container": {"box": {"min_m": [0, 0, 0], "max_m": [1000, 1000, 1000]}},
+            "density": density,
+            "medium": {"extinction_per_m": 0.005},
+            "sun": {"elevation_deg": 60, "azimuth_deg": 30, "irradiance": [1, 1, 1]},
+            "camera": {"position_m": [500, 500, -2500], "target_m": [500, 500, 500], "fov_y_deg": 30}
+        })
+    };
+    let scenes = [
+        scene("slab", json!({"uniform": {"value": 1}})),
+        scene(
+            "cube",
+            json!({"volume": {"path": "cube.npy", "up_axis": 1}}),
+        ),
+    ];
+    let experiment = json!({
+        "name": "small", "image": [{"width": 24, "height": 16}, {"width": 12, "height": 8}], "runs": 3,
+        "scenes": scenes.clone().map(|scene| json!({"scene": scene})),
+        "methods": [{"method": "srm", "steps": [4, 8]}, "none"], "reconstruct": ["full", "temporal_2x2"],
+        "ghosting": "pan"
+    });
+    let mut report = report();
+    let mut cells = Vec::new();
+    for view in matrix(&experiment).views {
+        for spec in &view.cells {
+            let mut cell = json!(planned_cell(&view, spec));
+            cell["scene_id"] = json!(view.scene.name);
+            cells.push(cell);
+        }
+    }
+    report["experiment"] = experiment.clone();
+    report["scenes"] = json!(scenes.map(|scene| json!({"id": scene["name"], "scene": scene})));
+    let hash = blake3::hash(b"x").to_hex().to_string();
+    report["inputs"] = json!([{"path": "cube.npy", "bytes": 1, "blake3": hash}]);
+    report["cells"] = json!(cells);
+    (experiment, report)
+}
+
+fn matrix(experiment: &Value) -> occlab::config::Matrix {
+    let experiment = parse_experiment(Path::new("e.json"), experiment.to_string()).unwrap();
+    expand(&experiment, &Registry).unwrap()
+}
+
+/// What is planned from a report with its volume beside it.
+fn plan(report: &Value) -> Result<Plan, (occlab::Error, PathBuf)> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("report.json");
+    std::fs::write(folder.path().join("cube.npy"), "x").unwrap();
+    std::fs::write(&path, report.to_string()).unwrap();
+    Plan::of_report(&path).map_err(|error| (error, path))
+}
+
+#[test]
+fn a_report_plans_the_matrix_of_its_experiment() {
+    let (experiment, mut report) = measured();
+    let planned = plan(&report).unwrap_or_else(|(error, _)| panic!("{error}"));
+    assert_eq!(describe(planned.matrix()), describe(&matrix(&experiment)));
+    report["cells"].as_array_mut().unwrap().pop();
+    let (error, _) = plan(&report).unwrap_err();
+    assert!(error.to_string().contains("edited"), "{error}");
+}
+
 proptest! {
     #![proptest_config(cases())]
+
+    #[test]
+    fn a_changed_report_is_planned_or_refused(changes in changes()) {
+        let report = changed(measured().1, &changes);
+        if let Err((error, path)) = plan(&report) {
+            prop_assert!(is_one_paragraph(&error.to_string(), &path), "{error}");
+        }
+    }
 
     #[test]
     fn any_json_as_records(value in json()) {

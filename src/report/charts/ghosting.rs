@@ -22,7 +22,7 @@ struct Line<'a> {
 }
 
 /// Heading of a movement's chart.
-pub fn title_of(track: CameraTrack) -> &'static str {
+pub const fn title_of(track: CameraTrack) -> &'static str {
     match track {
         CameraTrack::Pan => "Ghosting on a pan",
         CameraTrack::Dolly => "Ghosting on a dolly",

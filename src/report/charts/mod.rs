@@ -14,7 +14,7 @@ pub mod probe;
 mod scatter;
 mod steps;
 
-use super::view::View;
+use super::view::{Case, View};
 use crate::error::Result;
 use crate::scene::CameraTrack;
 
@@ -33,50 +33,47 @@ pub struct Chart {
     pub svg: String,
 }
 
+/// Draws a chart of one case; `None` when it has no data for it.
+type Draw = fn(&View<'_>, &Case<'_>) -> Result<Option<String>>;
+
+/// The charts of a case: how their files' names begin, their titles, and who draws them.
+const OF_CASES: [(&str, &str, Draw); 8] = [
+    ("error-time", "Error against time", scatter::error_time),
+    ("error-bytes", "Error against memory", scatter::error_bytes),
+    ("error-steps", steps::COUNT.title, |view, case| {
+        steps::draw(view, case, &steps::COUNT)
+    }),
+    ("error-step-length", steps::LENGTH.title, |view, case| {
+        steps::draw(view, case, &steps::LENGTH)
+    }),
+    ("time", "Time of each cell", bars::draw),
+    ("three-errors", "Three errors of each cell", errors::draw),
+    (
+        "ghosting-pan",
+        ghosting::title_of(CameraTrack::Pan),
+        |view, case| ghosting::draw(view, case, CameraTrack::Pan),
+    ),
+    (
+        "ghosting-dolly",
+        ghosting::title_of(CameraTrack::Dolly),
+        |view, case| ghosting::draw(view, case, CameraTrack::Dolly),
+    ),
+];
+
+/// How the name of the chart of the whole report begins.
+const MEMORY: &str = "memory";
+
+/// How the names of all charts begin.
+pub fn kinds() -> impl Iterator<Item = &'static str> {
+    OF_CASES.iter().map(|(kind, ..)| *kind).chain([MEMORY])
+}
+
 /// Every chart that has data, case by case.
 pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
     let mut out = Vec::new();
     for case in &view.cases {
-        let drawn = [
-            (
-                "error-time",
-                "Error against time",
-                scatter::error_time(view, case)?,
-            ),
-            (
-                "error-bytes",
-                "Error against memory",
-                scatter::error_bytes(view, case)?,
-            ),
-            (
-                "error-steps",
-                steps::COUNT.title,
-                steps::draw(view, case, &steps::COUNT)?,
-            ),
-            (
-                "error-step-length",
-                steps::LENGTH.title,
-                steps::draw(view, case, &steps::LENGTH)?,
-            ),
-            ("time", "Time of each cell", bars::draw(view, case)?),
-            (
-                "three-errors",
-                "Three errors of each cell",
-                errors::draw(view, case)?,
-            ),
-            (
-                "ghosting-pan",
-                ghosting::title_of(CameraTrack::Pan),
-                ghosting::draw(view, case, CameraTrack::Pan)?,
-            ),
-            (
-                "ghosting-dolly",
-                ghosting::title_of(CameraTrack::Dolly),
-                ghosting::draw(view, case, CameraTrack::Dolly)?,
-            ),
-        ];
-        for (kind, what, svg) in drawn {
-            out.extend(svg.map(|svg| Chart {
+        for (kind, what, draw) in OF_CASES {
+            out.extend(draw(view, case)?.map(|svg| Chart {
                 file: format!("{kind}-{}.svg", case.slug),
                 title: format!("{what}: {}", case.name),
                 case: Some(case.number),
@@ -85,7 +82,7 @@ pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
         }
     }
     out.extend(memory::draw(view)?.map(|svg| Chart {
-        file: "memory.svg".to_owned(),
+        file: format!("{MEMORY}.svg"),
         title: memory::TITLE.to_owned(),
         case: None,
         svg,

@@ -19,6 +19,9 @@ use plotters::prelude::DrawingBackend;
 use serde_json::{Map, Value};
 use std::path::Path;
 
+/// How the names of all sheets begin.
+pub const KIND: &str = "methods";
+
 /// Sizes of type in units of the layout.
 const HEADING: f64 = 22.0;
 const TEXT: f64 = 17.5;
@@ -39,7 +42,7 @@ pub fn all(folder: &Path, view: &View<'_>) -> Result<Vec<Sheet>> {
     for case in &view.cases {
         if let Some(picture) = draw(folder, view, case)? {
             out.push(Sheet {
-                file: format!("methods-{}.png", case.slug),
+                file: format!("{KIND}-{}.png", case.slug),
                 case: case.number,
                 png: files::png(&picture).map_err(defect)?,
             });

@@ -5,6 +5,7 @@ use super::super::view::{Case, Shot, View, all_params, distinct, pairs};
 use super::album::Album;
 use super::clock;
 use super::parts::{self, cell, heading};
+use crate::metrics::ErrorNumbers;
 use maud::{Markup, html};
 
 /// Columns with their units, in order.
@@ -111,24 +112,42 @@ fn setting_key(shot: &Shot<'_>) -> String {
 }
 
 fn errors(shot: &Shot<'_>) -> Markup {
-    let e = &shot.numbers.error;
+    // Taken apart without a rest, so that the compiler tells which number has no column.
+    let ErrorNumbers {
+        rel_rmse,
+        bias,
+        leak,
+        darken,
+        p99_abs,
+        max_abs,
+        transmittance_rmse,
+        edge_bias,
+        floor_rel_rmse,
+        flicker,
+        flicker_sun,
+        flip_mean,
+        flip_p99,
+        psnr_db,
+        ssim,
+        nonfinite,
+    } = shot.numbers.error;
     html! {
-        (cell(Some(e.rel_rmse), number))
-        (cell(e.floor_rel_rmse, number))
-        (cell(Some(e.bias), signed_percent))
-        (cell(Some(e.leak), signed_percent))
-        (cell(Some(e.darken), signed_percent))
-        (cell(Some(e.p99_abs), number))
-        (cell(Some(e.max_abs), number))
-        (cell(Some(e.transmittance_rmse), number))
-        (cell(e.edge_bias, signed_percent))
-        (cell(Some(e.flip_mean), number))
-        (cell(Some(e.flip_p99), number))
-        (cell(e.psnr_db, number))
-        (cell(Some(e.ssim), number))
-        (cell(e.flicker, number))
-        (cell(e.flicker_sun, number))
-        (cell(Some(e.nonfinite as f64), |_| e.nonfinite.to_string()))
+        (cell(Some(rel_rmse), number))
+        (cell(floor_rel_rmse, number))
+        (cell(Some(bias), signed_percent))
+        (cell(Some(leak), signed_percent))
+        (cell(Some(darken), signed_percent))
+        (cell(Some(p99_abs), number))
+        (cell(Some(max_abs), number))
+        (cell(Some(transmittance_rmse), number))
+        (cell(edge_bias, signed_percent))
+        (cell(Some(flip_mean), number))
+        (cell(Some(flip_p99), number))
+        (cell(psnr_db, number))
+        (cell(Some(ssim), number))
+        (cell(flicker, number))
+        (cell(flicker_sun, number))
+        (cell(Some(nonfinite as f64), |_| nonfinite.to_string()))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What failed, what it was measured against, where and how long, and what the numbers mean.
 
-use super::super::format::{NONE, count, maybe, ms, number};
+use super::super::format::{NONE, bytes, count, maybe, ms, number};
 use super::super::view::{View, all_params, distinct, plain};
 use super::parts::{self, cell};
 use crate::batch::record::{Clock, Reference};
@@ -148,6 +148,25 @@ pub fn environment(view: &View<'_>) -> Markup {
                 dt { (name) }
                 dd { @if value.is_empty() { (NONE) } @else { (value) } }
             } }
+            (inputs(view))
+        }
+    }
+}
+
+/// The files that the scenes read, and how the report is measured again; nothing where it does not hold its scenes.
+fn inputs(view: &View<'_>) -> Markup {
+    let report = view.report;
+    if report.scenes.is_empty() {
+        return html! {};
+    }
+    html! {
+        dl.pairs { @for file in &report.inputs {
+            dt { "Volume" }
+            dd { (file.path) " " span.unit { (bytes(file.bytes)) ", BLAKE3 " (file.blake3) } }
+        } }
+        p {
+            "The records hold the scenes as they were measured: " code { "occlab batch FOLDER --out NEW" }
+            " measures them again, here or elsewhere."
         }
     }
 }

@@ -1,0 +1,58 @@
+//! The values of a cell's record by their dotted names, taken from the record's type: no list of names can forget one.
+
+use crate::batch::record::Measured;
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
+use std::sync::LazyLock;
+
+/// A member of [`Measured`], at any depth.
+pub struct Field {
+    /// `error.rel_rmse`.
+    pub name: String,
+    /// It may be `null` or absent.
+    pub optional: bool,
+    /// One number or text, not a list, a map or a group of members.
+    pub scalar: bool,
+}
+
+/// Every member of [`Measured`], in the order of the record.
+pub fn measured() -> &'static [Field] {
+    static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(|| {
+        let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
+        let schema = settings.into_generator().into_root_schema_for::<Measured>();
+        let mut fields = Vec::new();
+        walk(schema.as_value(), "", &mut fields);
+        fields
+    });
+    &FIELDS
+}
+
+fn walk(schema: &Value, prefix: &str, fields: &mut Vec<Field>) {
+    for (key, member) in schema["properties"].as_object().into_iter().flatten() {
+        let name = format!("{prefix}{key}");
+        let optional = allows(member, "null");
+        let inner = something(member);
+        fields.push(Field {
+            name: name.clone(),
+            optional,
+            scalar: !allows(inner, "object") && !allows(inner, "array"),
+        });
+        walk(inner, &format!("{name}."), fields);
+    }
+}
+
+/// Of "this or null", this.
+fn something(schema: &Value) -> &Value {
+    let choices = schema["anyOf"].as_array().into_iter().flatten();
+    let mut choices = choices.filter(|choice| choice["type"] != "null");
+    choices.next().unwrap_or(schema)
+}
+
+fn allows(schema: &Value, kind: &str) -> bool {
+    let own = match &schema["type"] {
+        Value::Array(kinds) => kinds.iter().any(|k| k == kind),
+        one => one == kind,
+    };
+    let mut choices = schema["anyOf"].as_array().into_iter().flatten();
+    own || choices.any(|choice| allows(choice, kind))
+}
