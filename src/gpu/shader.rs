@@ -228,3 +228,27 @@ impl Loader<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_of_the_programs_own_shaders_is_said_to_be_a_defect_and_one_of_others_is_not() {
+        let error = |sources: &Sources| {
+            let message = "x is not defined\n".to_owned();
+            let file = "shaders/generate.wgsl".to_owned();
+            sources.blame(Error::Shader { file, message }).to_string()
+        };
+        let mut sources = Sources::embedded();
+        let own = error(&sources);
+        assert!(own.contains("x is not defined\nThis is a defect of occlab"));
+        sources.0.insert("generate.wgsl", "fn x() {}".into());
+        assert_eq!(
+            error(&sources),
+            "shader shaders/generate.wgsl: x is not defined\n"
+        );
+        let other = sources.blame(Error::input("p", "q", "R."));
+        assert!(matches!(other, Error::Input { .. }));
+    }
+}
