@@ -41,6 +41,16 @@ impl FilePart {
                 name: Some(text[at + 1..].to_owned()),
             })
     }
+
+    /// The same item of another file, as one path.
+    pub fn path_in(&self, file: impl Into<PathBuf>) -> PathBuf {
+        let mut path = file.into();
+        if let Some(name) = &self.name {
+            path.as_mut_os_string().push(":");
+            path.as_mut_os_string().push(name);
+        }
+        path
+    }
 }
 
 #[cfg(test)]
@@ -50,6 +60,13 @@ mod tests {
     fn split(text: &str) -> (String, Option<String>) {
         let part = FilePart::of(Path::new(text), "npz");
         (part.file.display().to_string(), part.name)
+    }
+
+    #[test]
+    fn the_same_item_of_another_file_keeps_its_name() {
+        let part = |text: &str| FilePart::of(Path::new(text), "npz").path_in("b.npz");
+        assert_eq!(part("a.npz:density"), Path::new("b.npz:density"));
+        assert_eq!(part("a.npz"), Path::new("b.npz"));
     }
 
     #[test]

@@ -8,6 +8,7 @@
 use super::record::{InputFile, SceneRecord};
 use crate::backend::Backend;
 use crate::config::{CellSpec, Matrix, View};
+use crate::density::volume::file_of;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use serde_json::{Value, json};
@@ -76,12 +77,12 @@ impl Identity {
         digest(&Value::Array(all))
     }
 
-    /// The scene with the hash of its file in the place of the file's name.
+    /// The scene with the hash of its file in the place of the file's name; of an archive, also the array in it.
     fn content(&self, scene: &Scene) -> Value {
         let mut scene = scene.clone();
         if let Some(path) = scene.input_file_mut() {
             let hash = self.inputs.get(path).map(|input| input.hash.as_str());
-            *path = hash.unwrap_or_default().into();
+            *path = file_of(path).path_in(hash.unwrap_or_default());
         }
         json!(scene)
     }
@@ -99,7 +100,7 @@ impl Identity {
             let remedy = "Run the same command again: it measures the file as it is then, and keeps what was measured before.";
             Err(Error::input(path.display().to_string(), problem, remedy))
         };
-        match std::fs::metadata(path) {
+        match std::fs::metadata(file_of(path).file) {
             Ok(now) if known.looks_like(&now) => Ok(()),
             Ok(_) if Input::read(path).is_ok_and(|now| now.hash == known.hash) => Ok(()),
             Ok(_) => changed("the file changed while the batch was measuring it"),
@@ -141,7 +142,7 @@ impl Identity {
 impl Input {
     fn read(path: &Path) -> Result<Self> {
         // Before its content: a change during the read shows later.
-        let metadata = std::fs::metadata(path).map_err(absent(path))?;
+        let metadata = std::fs::metadata(file_of(path).file).map_err(absent(path))?;
         let (hash, bytes) = hash_file(path)?;
         Ok(Self {
             hash,
@@ -155,8 +156,9 @@ impl Input {
     }
 }
 
-/// BLAKE3 of a file's content, 64 hexadecimal digits, and its length.
+/// BLAKE3 of a file's content, 64 hexadecimal digits, and its length; `path` may name an array in the file.
 pub(super) fn hash_file(path: &Path) -> Result<(String, u64)> {
+    let path = &*file_of(path).file;
     let metadata = std::fs::metadata(path).map_err(absent(path))?;
     if !metadata.is_file() {
         let remedy = "Give the path of a file.";
@@ -186,19 +188,20 @@ fn digest(value: &Value) -> String {
     blake3::hash(value.to_string().as_bytes()).to_hex()[..16].to_owned()
 }
 
-/// `file` as seen from `folder`; as it is where there is no way from one to the other.
-fn relative(folder: &Path, file: &Path) -> PathBuf {
-    let (Ok(from), Ok(to)) = (folder.canonicalize(), file.canonicalize()) else {
-        return file.to_owned();
+/// `path` as seen from `folder`; as it is where there is no way from one to the other.
+fn relative(folder: &Path, path: &Path) -> PathBuf {
+    let part = file_of(path);
+    let (Ok(from), Ok(to)) = (folder.canonicalize(), part.file.canonicalize()) else {
+        return path.to_owned();
     };
     let same = |(a, b): &(Component<'_>, Component<'_>)| a == b;
     let shared = from.components().zip(to.components()).take_while(same);
     let shared = shared.count();
     if shared == 0 {
-        return to;
+        return part.path_in(to);
     }
     let up = from.components().skip(shared).map(|_| Component::ParentDir);
-    up.chain(to.components().skip(shared)).collect()
+    part.path_in(up.chain(to.components().skip(shared)).collect::<PathBuf>())
 }
 
 /// A path as JSON holds it.
@@ -223,6 +226,12 @@ mod tests {
         std::fs::copy(&file, folder.join("cloud.npy")).expect("file");
         let beside = folder.join("../a/cloud.npy");
         assert_eq!(relative(&folder, &beside), Path::new("cloud.npy"));
+        std::fs::copy(&file, root.path().join("cloud.npz")).expect("file");
+        let array = root.path().join("cloud.npz:density");
+        assert_eq!(
+            relative(&folder, &array),
+            Path::new("../../cloud.npz:density")
+        );
         let gone = Path::new("gone/cloud.npy");
         assert_eq!(relative(&folder, gone), gone);
     }
@@ -264,9 +273,12 @@ mod tests {
         }
         let first = names("s", "a.npy");
         assert_eq!(names("s", "b.npy"), first);
-        for other in [names("s", "c.npy"), names("t", "a.npy")] {
+        std::fs::write(root.path().join("d.npz"), "x").expect("file");
+        let array = names("s", "d.npz:density");
+        for other in [names("s", "c.npy"), names("t", "a.npy"), array.clone()] {
             assert!(other[0] != first[0] && other[1] != first[1]);
         }
+        assert_ne!(names("s", "d.npz:velocity")[0], array[0]);
     }
 
     #[test]

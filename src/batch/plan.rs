@@ -4,6 +4,7 @@ use super::cell::planned_cell;
 use super::identity::hash_file;
 use super::record::{Cell, InputFile, Report, SceneRecord};
 use crate::config::{Experiment, Matrix, expand, experiment_of};
+use crate::density::volume::file_of;
 use crate::error::{Error, Result};
 use crate::occlusion::Registry;
 use serde::Deserialize;
@@ -181,7 +182,7 @@ fn find(folder: &Path, name: &str, inputs: &[InputFile]) -> Result<String, Strin
     let mut other = None;
     for place in [Some(name), beside.as_deref()].into_iter().flatten() {
         let file = folder.join(place);
-        match file.metadata() {
+        match file_of(&file).file.metadata() {
             Ok(metadata) if metadata.len() != input.bytes => {
                 let bytes = metadata.len();
                 other = other.or(Some(format!(
