@@ -4,7 +4,7 @@ use super::progress::bar;
 use super::{Device, print_path, say};
 use occlab::batch::record::{Cell, Clock, Report};
 use occlab::batch::{Event, report_folder, run};
-use occlab::config::{describe, expand, load_experiment};
+use occlab::config::{Kind, describe, expand, find, load_experiment};
 use occlab::occlusion::Registry;
 use occlab::raymarch::reference::cache_folder;
 use std::ops::ControlFlow;
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub struct Batch {
-    /// Experiment file; any value in it may be a list, lists multiply into the matrix.
+    /// Experiment file, or its name; any value in it may be a list, lists multiply into the matrix.
     config: PathBuf,
     /// Report folder; default: reports/NAME of the experiment.
     #[arg(long, value_name = "DIR")]
@@ -30,7 +30,7 @@ pub struct Batch {
 
 impl Batch {
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        let experiment = load_experiment(&self.config)?;
+        let experiment = load_experiment(&find(Kind::Experiment, &self.config)?)?;
         if self.dry_run {
             say(describe(&expand(&experiment, &Registry)?).trim_end())?;
             return Ok(ExitCode::SUCCESS);

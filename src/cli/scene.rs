@@ -1,13 +1,13 @@
 //! The options that name a scene and change it.
 
 use occlab::Error;
-use occlab::config::load_scene;
+use occlab::config::{Kind, find, load_scene};
 use occlab::scene::{Density, ImageSize, Scene};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct SceneOptions {
-    /// Scene file, or the name of one in configs/scenes.
+    /// Scene file, or its name (`occlab --help` says where it is looked for).
     #[arg(long, short)]
     pub scene: PathBuf,
     /// Columns.
@@ -45,7 +45,7 @@ impl SceneOptions {
 
     /// The scene, changed and valid.
     pub fn load(&self) -> occlab::Result<Scene> {
-        let path = &named_scene(&self.scene);
+        let path = &find(Kind::Scene, &self.scene)?;
         let mut scene = load_scene(path)?;
         if let Some(elevation_deg) = self.sun_elevation {
             scene.sun.elevation_deg = elevation_deg;
@@ -56,7 +56,7 @@ impl SceneOptions {
                 return Err(Error::input(
                     "--volume",
                     "the scene's density is not a volume",
-                    "Use configs/scenes/volume.json.",
+                    "Use `--scene volume`.",
                 ));
             }
             (Density::Procedural(p), _, Some(seed)) => p.seed = seed,
@@ -73,15 +73,5 @@ impl SceneOptions {
             .validate()
             .map_err(|problem| problem.at(&path.display().to_string()))?;
         Ok(scene)
-    }
-}
-
-/// A file, or the one in `configs/scenes` with this name.
-pub fn named_scene(scene: &Path) -> PathBuf {
-    let named = PathBuf::from("configs/scenes").join(scene.with_extension("json"));
-    if !scene.exists() && named.exists() {
-        named
-    } else {
-        scene.to_owned()
     }
 }

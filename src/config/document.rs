@@ -1,13 +1,13 @@
 //! A JSON file in memory: its text for places, its value for meaning.
 
 use super::locate::{self, LineCol, Part};
-use super::suggest;
+use super::{shipped, suggest};
 use crate::error::{Error, Result};
 use crate::scene::Problem;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_path_to_error::Segment;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -20,6 +20,8 @@ const SCHEMA_HINT: &str = "`occlab schema` prints what is allowed.";
 #[derive(Clone, Debug)]
 pub struct Document {
     path: PathBuf,
+    /// There is no such file: the text is part of the program.
+    built_in: bool,
     text: Arc<str>,
     value: Value,
     /// JSON pointer of `value` in the file; empty for a whole file.
@@ -63,9 +65,12 @@ impl From<Problem> for Fault {
 }
 
 impl Document {
-    /// Reads at most [`MAX_FILE_BYTES`] of strict JSON.
+    /// Reads at most [`MAX_FILE_BYTES`] of strict JSON; where there is no file of that path, the built-in one.
     pub fn read(path: &Path) -> Result<Self> {
-        let file = std::fs::File::open(path).map_err(Error::reading(path))?;
+        let file = match std::fs::File::open(path) {
+            Ok(file) => file,
+            Err(error) => return Self::built_in(path, error),
+        };
         let mut bytes = Vec::new();
         file.take(MAX_FILE_BYTES + 1)
             .read_to_end(&mut bytes)
@@ -91,6 +96,18 @@ impl Document {
             )
         })?;
         Self::parse(path, text)
+    }
+
+    /// The built-in file of a path that cannot be opened, if the reason is that there is no such file.
+    fn built_in(path: &Path, error: std::io::Error) -> Result<Self> {
+        let absent = matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory);
+        match shipped::text(path) {
+            Some(text) if absent => Ok(Self {
+                built_in: true,
+                ..Self::parse(path, text.to_owned())?
+            }),
+            _ => Err(Error::reading(path)(error)),
+        }
     }
 
     /// Parses `text`; `path` is for messages and for what is relative to it, and need not exist.
@@ -119,6 +136,7 @@ impl Document {
         })?;
         Ok(Self {
             path: path.to_owned(),
+            built_in: false,
             text: text.into(),
             value,
             base: String::new(),
@@ -135,6 +153,7 @@ impl Document {
     pub(super) fn part(&self, value: Value, base: &str) -> Self {
         Self {
             path: self.path.clone(),
+            built_in: self.built_in,
             text: self.text.clone(),
             value,
             base: format!("{}{base}", self.base),
@@ -154,6 +173,12 @@ impl Document {
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The file as messages name it.
+    pub fn name(&self) -> String {
+        let mark = if self.built_in { " (built in)" } else { "" };
+        format!("{}{mark}", self.path.display())
     }
 
     /// The folder that relative paths in the file start from.
@@ -185,7 +210,7 @@ impl Document {
         let pointer = format!("{}{}", self.base, fault.pointer);
         let place = locate::position(&self.text, &pointer, fault.part);
         error_at(
-            &self.path,
+            Path::new(&self.name()),
             place,
             Some(&pointer),
             fault.problem,

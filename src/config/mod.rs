@@ -14,6 +14,7 @@ mod matrix;
 mod methods;
 mod scenes;
 mod schema;
+mod shipped;
 mod stability;
 mod study;
 mod suggest;
@@ -26,6 +27,7 @@ pub use matrix::{CellSpec, MAX_CELLS, Matrix, View, describe, expand};
 pub use methods::MethodCatalogue;
 pub use scenes::{Axis, SceneEntry};
 pub use schema::schema;
+pub use shipped::{Kind, Outcome, find, list, write_out};
 pub use stability::{Extreme, Fill, Stability, VolumeFile, load_stability, parse_stability};
 pub use study::{
     ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,

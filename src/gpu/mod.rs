@@ -2,6 +2,7 @@
 
 mod context;
 mod environment;
+mod instance;
 mod kernel;
 mod lavapipe;
 mod readback;
