@@ -1,7 +1,7 @@
 //! `occlab init`.
 
 use super::say;
-use occlab::config::{Outcome, write_out};
+use occlab::config::shipped::{Outcome, write_out};
 use std::path::PathBuf;
 use std::process::ExitCode;
 

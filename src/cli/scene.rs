@@ -1,7 +1,8 @@
 //! The options that name a scene and change it.
 
 use occlab::Error;
-use occlab::config::{Kind, find, load_scene};
+use occlab::config::load_scene;
+use occlab::config::shipped::{Kind, find};
 use occlab::scene::{Density, ImageSize, Scene};
 use std::path::PathBuf;
 

@@ -2,7 +2,8 @@
 
 use super::progress::bar;
 use super::{Device, print_path};
-use occlab::config::{Kind, find, load_stability};
+use occlab::config::load_stability;
+use occlab::config::shipped::{Kind, find};
 use occlab::gpu::Gpu;
 use occlab::occlusion::Registry;
 use occlab::raymarch::Renderer;

@@ -4,7 +4,8 @@ use super::progress::bar;
 use super::{Device, print_path, say};
 use indicatif::ProgressBar;
 use occlab::batch::{self, report_folder};
-use occlab::config::{self, Kind, find, load_study, study_profiles};
+use occlab::config::shipped::{self, Kind, find};
+use occlab::config::{load_study, study_profiles};
 use occlab::raymarch::reference::cache_folder;
 use occlab::study::{Event, Outcome, Progress, run};
 use std::ops::ControlFlow;
@@ -65,7 +66,7 @@ impl Study {
 
 /// Names, profiles and titles of the studies in `configs/studies` and of the built-in ones.
 fn list() -> anyhow::Result<ExitCode> {
-    for path in config::list(Kind::Study) {
+    for path in shipped::list(Kind::Study) {
         let name = path
             .file_stem()
             .unwrap_or_default()

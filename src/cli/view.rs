@@ -1,7 +1,7 @@
 //! `occlab view`.
 
 use occlab::Error;
-use occlab::config::{Kind, find};
+use occlab::config::shipped::{Kind, find};
 use occlab::gpu::Gpu;
 use occlab::live::State;
 use occlab::ui::{Options, WITHOUT_A_WINDOW, open};

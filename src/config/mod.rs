@@ -5,6 +5,7 @@
 //! experiment.json ─► Document ─► Experiment ─ expand(catalogue) ─► Matrix ─► batch
 //! ```
 //!
+//! The files that ship are part of the program ([`shipped`]): a path where there is no file stands for the built-in one.
 //! Every error names the file, line, column and JSON pointer. No GPU types here.
 
 mod document;
@@ -14,7 +15,7 @@ mod matrix;
 mod methods;
 mod scenes;
 mod schema;
-mod shipped;
+pub mod shipped;
 mod stability;
 mod study;
 mod suggest;
@@ -27,7 +28,6 @@ pub use matrix::{CellSpec, MAX_CELLS, Matrix, View, describe, expand};
 pub use methods::MethodCatalogue;
 pub use scenes::{Axis, SceneEntry};
 pub use schema::schema;
-pub use shipped::{Kind, Outcome, find, list, write_out};
 pub use stability::{Extreme, Fill, Stability, VolumeFile, load_stability, parse_stability};
 pub use study::{
     ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,

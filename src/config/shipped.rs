@@ -1,15 +1,14 @@
 //! Experiments, scenes and studies that are part of the program, and what a name on the command line stands for.
 //!
-//! A built-in file has the path that it has in the sources, `configs/scenes/cumulus.json`, and stands for a file of that
-//! path that is not there: whoever reads the path gets the file on disk, or else the built-in one.
+//! A built-in file has the path that it has in the sources, e.g. `configs/scenes/cumulus.json`. Whoever reads that path
+//! gets the file on disk, or the built-in one where there is none.
 
 use super::suggest;
 use crate::error::{Error, Result};
-use crate::frame::atomic::write_new;
 use include_dir::{Dir, include_dir};
 use std::ffi::OsStr;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{ErrorKind, Write};
 use std::path::{Component, Path, PathBuf};
 
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
@@ -61,8 +60,8 @@ impl Kind {
     }
 }
 
-/// The file that `name` stands for, the first there is of: the file `NAME`, `NAME.json`, `configs/…/NAME.json` (in the
-/// folder of its kind), and the built-in file of that name.
+/// The file that `name` stands for, the first there is of: the file `NAME`, `NAME.json`, `NAME.json` in the folder of its
+/// kind beside the user, and the built-in file of that name.
 pub fn find(kind: Kind, name: &Path) -> Result<PathBuf> {
     let mut with_ending = name.as_os_str().to_owned();
     if !is_json(name) {
@@ -179,25 +178,32 @@ pub enum Outcome {
 
 /// Writes every built-in file below `folder` where there is none; nothing that exists is touched.
 pub fn write_out(folder: &Path) -> Result<Vec<(PathBuf, Outcome)>> {
-    let mut outcomes = Vec::new();
-    for (path, text) in all() {
+    let write = |(path, text): (PathBuf, &str)| {
         let path = folder.join(path);
-        if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent).map_err(Error::writing(parent))?;
-        }
-        let fill = |file: &mut BufWriter<&File>| {
-            file.write_all(text.as_bytes())
-                .map_err(Error::writing(&path))
-        };
-        let is_new = path.symlink_metadata().is_err() && write_new(&path, fill)?;
-        let same = || std::fs::read(&path).is_ok_and(|found| found == text.as_bytes());
-        outcomes.push(match is_new {
-            true => (path, Outcome::Written),
-            false if same() => (path, Outcome::Same),
-            false => (path, Outcome::Kept),
-        });
+        let outcome = write_new(&path, text)?;
+        Ok((path, outcome))
+    };
+    all().into_iter().map(write).collect()
+}
+
+fn write_new(path: &Path, text: &str) -> Result<Outcome> {
+    if let Some(parent) = path.parent() {
+        std::fs::create_dir_all(parent).map_err(Error::writing(parent))?;
     }
-    Ok(outcomes)
+    let mut file = match File::create_new(path) {
+        Ok(file) => file,
+        Err(e) if e.kind() == ErrorKind::AlreadyExists => {
+            let same = std::fs::read(path).is_ok_and(|found| found == text.as_bytes());
+            return Ok(if same { Outcome::Same } else { Outcome::Kept });
+        }
+        Err(e) => return Err(Error::writing(path)(e)),
+    };
+    file.write_all(text.as_bytes()).map_err(|e| {
+        // Half a file would be taken for the user's own. The reason to report is that of the write.
+        let _ = std::fs::remove_file(path);
+        Error::writing(path)(e)
+    })?;
+    Ok(Outcome::Written)
 }
 
 #[cfg(test)]

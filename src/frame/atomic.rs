@@ -2,9 +2,8 @@
 
 use crate::error::{Error, Result};
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
+use std::io::{BufWriter, Write};
 use std::path::Path;
-use tempfile::NamedTempFile;
 
 /// Writes a file through a temporary one in the same folder, then renames it over `path`.
 ///
@@ -14,29 +13,6 @@ pub(crate) fn write_atomic(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
 ) -> Result<()> {
-    write_temporary(path, fill)?
-        .persist(path)
-        .map_err(|e| Error::writing(path)(e.error))?;
-    Ok(())
-}
-
-/// The same where there is no file of that name yet; one that exists is left as it is. Tells whether it was written.
-pub(crate) fn write_new(
-    path: &Path,
-    fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
-) -> Result<bool> {
-    match write_temporary(path, fill)?.persist_noclobber(path) {
-        Ok(_) => Ok(true),
-        Err(e) if e.error.kind() == ErrorKind::AlreadyExists => Ok(false),
-        Err(e) => Err(Error::writing(path)(e.error)),
-    }
-}
-
-/// A file in the folder of `path` that vanishes unless it is given that name.
-fn write_temporary(
-    path: &Path,
-    fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
-) -> Result<NamedTempFile> {
     let folder = path
         .parent()
         .filter(|p| !p.as_os_str().is_empty())
@@ -57,7 +33,10 @@ fn write_temporary(
         .as_file()
         .sync_all()
         .map_err(Error::writing(path))?;
-    Ok(temporary)
+    temporary
+        .persist(path)
+        .map_err(|e| Error::writing(path)(e.error))?;
+    Ok(())
 }
 
 #[cfg(test)]
@@ -89,20 +68,6 @@ mod tests {
             .unwrap();
             assert_eq!(std::fs::read(&path).unwrap(), content);
         }
-    }
-
-    #[test]
-    fn a_new_file_replaces_nothing() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.bin");
-        for (content, is_new) in [(&b"first"[..], true), (b"second", false)] {
-            let written = write_new(&path, |file| {
-                file.write_all(content).map_err(Error::writing(&path))
-            });
-            assert_eq!(written.unwrap(), is_new);
-            assert_eq!(std::fs::read(&path).unwrap(), b"first");
-        }
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[cfg(unix)]

@@ -5,7 +5,8 @@ use super::probe::Asked;
 use super::shown::Shown;
 use super::view::{Mode, Pane, Play};
 use super::{banner, batch, controls, files, help, lower, measure, menu, remember};
-use crate::config::{self, Kind, load_scene};
+use crate::config::load_scene;
+use crate::config::shipped::{self, Kind};
 use crate::error::Result;
 use crate::live::{Live, Request, State, Update};
 use crate::occlusion::{MethodSetup, REGISTRY};
@@ -65,7 +66,7 @@ pub struct App {
 impl App {
     /// The content of a window over a worker.
     pub fn new(live: Live, adapter: String, state: Option<State>, start: Instant) -> Result<Self> {
-        let scenes = config::list(Kind::Scene);
+        let scenes = shipped::list(Kind::Scene);
         let (state, scene_file) = match state {
             Some(state) => (state, None),
             None => {
