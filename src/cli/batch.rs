@@ -4,6 +4,7 @@ use super::progress::bar;
 use super::{Device, print_path, say};
 use occlab::batch::record::{Cell, Clock, Report};
 use occlab::batch::{Event, Plan, measure, report_file, report_folder};
+use occlab::config::shipped::{Kind, find};
 use occlab::config::{describe, load_experiment};
 use occlab::error::Error;
 use occlab::raymarch::TruthCache;
@@ -13,8 +14,8 @@ use std::process::ExitCode;
 
 #[derive(clap::Args)]
 pub struct Batch {
-    /// Experiment file; any value in it may be a list, lists multiply into the matrix. Or a report, by its folder or its
-    /// report.json: its cells are measured again, from the scenes and parameters that it holds.
+    /// Experiment file, or its name; any value in it may be a list, lists multiply into the matrix. Or a report, by its
+    /// folder or its report.json: its cells are measured again, from the scenes and parameters that it holds.
     config: PathBuf,
     /// Report folder; default: reports/NAME of the experiment. A report needs another than its own.
     #[arg(long, value_name = "DIR")]
@@ -34,7 +35,7 @@ impl Batch {
         let report = report_file(&self.config);
         let plan = match &report {
             Some(report) => Plan::of_report(report)?,
-            None => Plan::new(load_experiment(&self.config)?)?,
+            None => Plan::new(load_experiment(&find(Kind::Experiment, &self.config)?)?)?,
         };
         if self.dry_run {
             say(describe(plan.matrix()).trim_end())?;

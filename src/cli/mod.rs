@@ -4,6 +4,7 @@ mod batch;
 mod cache;
 mod diff;
 mod info;
+mod init;
 mod probe;
 mod progress;
 mod render;
@@ -21,7 +22,11 @@ use std::process::ExitCode;
 /// Measures how clouds shadow themselves.
 ///
 /// One GPU ray marcher, many light-occlusion methods, each timed and compared with a 1000-step truth.
-/// Start with `occlab batch configs/quick.json`, then open the index.html it names.
+/// Start with `occlab batch quick`, then open the index.html it names.
+///
+/// Scenes, experiments and studies are files or names. A name is looked for in this order: the file NAME, the file
+/// NAME.json, NAME.json in `configs` beside you (scenes in `configs/scenes`, studies in `configs/studies`), the file of
+/// that name that is built in. `occlab init` writes the built-in files out to be edited.
 #[derive(Parser)]
 #[command(version = occlab::provenance::version(), max_term_width = 100)]
 pub struct Cli {
@@ -58,6 +63,8 @@ enum Command {
     Methods(info::Json),
     /// List the adapters of this machine.
     Adapters(info::Json),
+    /// Write the built-in experiments, scenes and studies to DIR/configs, to be edited. Overwrites nothing.
+    Init(init::Init),
     /// Print the JSON Schema of experiments, scenes, studies and stability sweeps.
     Schema,
 }
@@ -131,6 +138,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Cache(c) => c.run(),
         Command::Methods(c) => info::methods(&c),
         Command::Adapters(c) => info::adapters(&c),
+        Command::Init(c) => c.run(),
         Command::Schema => info::schema(),
     })
 }

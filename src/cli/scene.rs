@@ -2,12 +2,13 @@
 
 use occlab::Error;
 use occlab::config::load_scene;
+use occlab::config::shipped::{Kind, find};
 use occlab::scene::{Density, ImageSize, Problem, Scene};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct SceneOptions {
-    /// Scene file, or the name of one in configs/scenes.
+    /// Scene file, or its name (`occlab --help` says where it is looked for).
     #[arg(long, short)]
     pub scene: PathBuf,
     /// Columns.
@@ -45,7 +46,7 @@ impl SceneOptions {
 
     /// The scene, changed and valid.
     pub fn load(&self) -> occlab::Result<Scene> {
-        let path = &named_scene(&self.scene);
+        let path = &find(Kind::Scene, &self.scene)?;
         let mut scene = load_scene(path)?;
         if let Some(elevation_deg) = self.sun_elevation {
             scene.sun.elevation_deg = elevation_deg;
@@ -56,7 +57,7 @@ impl SceneOptions {
                 return Err(Error::input(
                     "--volume",
                     "the scene's density is not a volume",
-                    "Use configs/scenes/volume.json.",
+                    "Use `--scene volume`.",
                 ));
             }
             (Density::Procedural(p), _, Some(seed)) => p.seed = seed,
@@ -87,15 +88,5 @@ impl SceneOptions {
             problem.message,
             "Give another value, or leave the option out.",
         )
-    }
-}
-
-/// A file, or the one in `configs/scenes` with this name.
-pub fn named_scene(scene: &Path) -> PathBuf {
-    let named = PathBuf::from("configs/scenes").join(scene.with_extension("json"));
-    if !scene.exists() && named.exists() {
-        named
-    } else {
-        scene.to_owned()
     }
 }

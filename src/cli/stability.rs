@@ -3,6 +3,7 @@
 use super::progress::bar;
 use super::{Device, print_path};
 use occlab::config::load_stability;
+use occlab::config::shipped::{Kind, find};
 use occlab::gpu::Gpu;
 use occlab::occlusion::Registry;
 use occlab::raymarch::Renderer;
@@ -34,7 +35,8 @@ enum ProfileName {
 
 impl Stability {
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        let stability = load_stability(&self.config, &self.out, &Registry)?;
+        let stability =
+            load_stability(&find(Kind::Stability, &self.config)?, &self.out, &Registry)?;
         let quiet = self.device.quiet;
         let wanted = self.device.adapter.as_deref();
         let renderer = match Gpu::new(wanted) {

@@ -4,23 +4,21 @@ use super::progress::bar;
 use super::{Device, print_path, say};
 use indicatif::ProgressBar;
 use occlab::batch::{self, report_folder};
+use occlab::config::shipped::{self, Kind, find};
 use occlab::config::{load_study, study_profiles};
-use occlab::error::Error;
 use occlab::raymarch::TruthCache;
 use occlab::study::{Event, Outcome, Progress, run};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Where named studies lie.
-const FOLDER: &str = "configs/studies";
 /// Steps of the progress bar.
 const STEPS: f64 = 1000.0;
 
 #[derive(clap::Args)]
 pub struct Study {
-    /// Name of a study in configs/studies, or the path of a study file; without it the studies are listed.
-    name: Option<String>,
+    /// Name of a study, or the path of a study file; without it the studies are listed.
+    name: Option<PathBuf>,
     /// Profile of the study: its sizes and counts. `quick` takes minutes, `full` may take hours.
     #[arg(long, default_value = "quick")]
     profile: String,
@@ -39,7 +37,7 @@ impl Study {
         let Some(name) = &self.name else {
             return list();
         };
-        let study = load_study(&file(name)?, &self.profile)?;
+        let study = load_study(&find(Kind::Study, name)?, &self.profile)?;
         let named = format!("study-{}-{}", study.name, study.profile);
         let folder = self
             .out
@@ -69,33 +67,9 @@ impl Study {
     }
 }
 
-/// The file of a study: a path, or a name in [`FOLDER`].
-fn file(name: &str) -> anyhow::Result<PathBuf> {
-    let path = PathBuf::from(name);
-    if name.ends_with(".json") || path.is_file() {
-        return Ok(path);
-    }
-    let path = Path::new(FOLDER).join(format!("{name}.json"));
-    if path.is_file() {
-        return Ok(path);
-    }
-    let remedy = "`occlab study` lists those there are; a path of a study file is accepted too.";
-    Err(Error::input(
-        name,
-        format!("there is no study file {}", path.display()),
-        remedy,
-    )
-    .into())
-}
-
-/// Names, profiles and titles of the studies in [`FOLDER`].
+/// Names, profiles and titles of the studies in `configs/studies` and of the built-in ones.
 fn list() -> anyhow::Result<ExitCode> {
-    let folder = Path::new(FOLDER);
-    let entries = std::fs::read_dir(folder).map_err(Error::reading(folder))?;
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|e| e == "json"));
-    paths.sort();
-    for path in paths {
+    for path in shipped::list(Kind::Study) {
         let name = path
             .file_stem()
             .unwrap_or_default()

@@ -1,7 +1,7 @@
 //! `occlab view`.
 
-use super::scene::named_scene;
 use occlab::Error;
+use occlab::config::shipped::{Kind, find};
 use occlab::gpu::Gpu;
 use occlab::live::State;
 use occlab::ui::{Options, WITHOUT_A_WINDOW, open};
@@ -11,8 +11,8 @@ use std::time::Instant;
 
 #[derive(clap::Args, Default)]
 pub struct View {
-    /// Scene or experiment file, or the name of a scene in configs/scenes; default: where the last window was left (a file
-    /// in the user's data folder, or OCCLAB_STATE).
+    /// Scene or experiment file, or the name of a scene; default: where the last window was left (a file in the user's
+    /// data folder, or OCCLAB_STATE).
     scene: Option<PathBuf>,
     /// Part of the adapter's name; default: the fastest kind.
     #[arg(long, value_name = "NAME")]
@@ -28,7 +28,7 @@ impl View {
         let start = Instant::now();
         check_display()?;
         let state = match &self.scene {
-            Some(scene) => Some(State::load(&named_scene(scene))?),
+            Some(scene) => Some(State::load(&find(Kind::Scene, scene)?)?),
             None => None,
         };
         let watched = cfg!(debug_assertions)
@@ -38,7 +38,7 @@ impl View {
             shaders: self.shaders.or(watched),
             start,
         };
-        open(Gpu::new(self.adapter.as_deref())?, options)?;
+        open(Gpu::for_window(self.adapter.as_deref())?, options)?;
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -1,7 +1,7 @@
 //! A JSON file in memory: its text for places, its value for meaning.
 
 use super::locate::{self, LineCol, Part};
-use super::wanted;
+use super::{shipped, wanted};
 use crate::error::{Error, Result};
 use crate::scene::Problem;
 use schemars::JsonSchema;
@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_path_to_error::Segment;
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -23,6 +23,8 @@ const SCHEMA_HINT: &str = "`occlab schema` prints what is allowed.";
 #[derive(Clone, Debug)]
 pub struct Document {
     path: PathBuf,
+    /// There is no such file: the text is part of the program.
+    built_in: bool,
     text: Arc<str>,
     value: Value,
     /// JSON pointer of `value` in the file; empty for a whole file.
@@ -71,9 +73,12 @@ impl From<Problem> for Fault {
 }
 
 impl Document {
-    /// Reads at most [`MAX_FILE_BYTES`] of strict JSON.
+    /// Reads at most [`MAX_FILE_BYTES`] of strict JSON; where there is no file of that path, the built-in one.
     pub fn read(path: &Path) -> Result<Self> {
-        let file = std::fs::File::open(path).map_err(Error::reading(path))?;
+        let file = match std::fs::File::open(path) {
+            Ok(file) => file,
+            Err(error) => return Self::built_in(path, error),
+        };
         let mut bytes = Vec::new();
         file.take(MAX_FILE_BYTES + 1)
             .read_to_end(&mut bytes)
@@ -99,6 +104,18 @@ impl Document {
             )
         })?;
         Self::parse(path, text)
+    }
+
+    /// The built-in file of a path that cannot be opened, if the reason is that there is no such file.
+    fn built_in(path: &Path, error: std::io::Error) -> Result<Self> {
+        let absent = matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory);
+        match shipped::text(path) {
+            Some(text) if absent => Ok(Self {
+                built_in: true,
+                ..Self::parse(path, text.to_owned())?
+            }),
+            _ => Err(Error::reading(path)(error)),
+        }
     }
 
     /// Parses `text`; `path` is for messages and for what is relative to it, and need not exist.
@@ -127,6 +144,7 @@ impl Document {
         })?;
         Ok(Self {
             path: path.to_owned(),
+            built_in: false,
             text: text.into(),
             value,
             base: String::new(),
@@ -144,6 +162,7 @@ impl Document {
     pub(super) fn part(&self, value: Value, base: &str) -> Self {
         Self {
             path: self.path.clone(),
+            built_in: self.built_in,
             text: self.text.clone(),
             value,
             base: format!("{}{base}", self.base),
@@ -182,6 +201,12 @@ impl Document {
         &self.path
     }
 
+    /// The file as messages name it.
+    pub fn name(&self) -> String {
+        let mark = if self.built_in { " (built in)" } else { "" };
+        format!("{}{mark}", self.path.display())
+    }
+
     /// The folder that relative paths in the file start from.
     pub fn folder(&self) -> &Path {
         self.path.parent().unwrap_or(Path::new(""))
@@ -214,7 +239,13 @@ impl Document {
             None => (pointer.clone(), pointer),
         };
         let place = locate::position(&self.text, &written, fault.part);
-        error_at(&self.path, place, Some(&shown), fault.problem, fault.remedy)
+        error_at(
+            Path::new(&self.name()),
+            place,
+            Some(&shown),
+            fault.problem,
+            fault.remedy,
+        )
     }
 
     /// The value at `pointer` as a `T`.

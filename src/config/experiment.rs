@@ -18,7 +18,7 @@
 //! absent = none: temporal cells are compared with their full render in each of 16 frames of a moving camera
 //! ([`CameraTrack`]).
 //!
-//! A scene is a path relative to the experiment file, or a whole scene written in its place.
+//! A scene is a path relative to the experiment file, or that of a built-in scene, or a whole scene written in its place.
 //!
 //! Every other value that can vary is one value or a list; lists multiply. A value that is itself an array
 //! (a position) is varied by a list of arrays. Values of a parameter that does not apply make no cells of their own; a list

@@ -194,7 +194,7 @@ fn scene_at(
             let remedy = "Only the last step of the path may be new; `occlab schema` prints the members of a scene.";
             experiment.document().error_at_key(
                 &axis.place,
-                format!("cannot set `{}` in {}: {problem}", axis.target, entry.document.path().display()),
+                format!("cannot set `{}` in {}: {problem}", axis.target, entry.document.name()),
                 remedy,
             )
         })?;
@@ -208,7 +208,7 @@ fn scene_at(
     ) {
         let problem = format!(
             "{} fixes /march/step_m, so that the number of view steps has no effect",
-            entry.document.path().display()
+            entry.document.name()
         );
         return Err(experiment.document().error_at_key(
             &axis.place,
@@ -272,7 +272,7 @@ fn blame(
         "{} at {} of {}",
         fault.problem,
         fault.pointer,
-        entry.document.path().display()
+        entry.document.name()
     );
     match guilty {
         None => document.error(&entry.place, problem, fault.remedy),

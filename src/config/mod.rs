@@ -5,6 +5,7 @@
 //! experiment.json ─► Document ─► Experiment ─ expand(catalogue) ─► Matrix ─► batch
 //! ```
 //!
+//! The files that ship are part of the program ([`shipped`]): a path where there is no file stands for the built-in one.
 //! Every error names the file, line, column and JSON pointer. No GPU types here.
 
 mod document;
@@ -14,6 +15,7 @@ mod matrix;
 mod methods;
 mod scenes;
 mod schema;
+pub mod shipped;
 mod stability;
 mod study;
 mod suggest;

@@ -1,7 +1,7 @@
 //! The scenes of an experiment: files or scenes in their place, each with the values that vary in it.
 
 use super::document::{Document, MAX_FILE_BYTES};
-use super::locate;
+use super::{locate, shipped};
 use crate::error::Result;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -106,13 +106,16 @@ fn scene(
 }
 
 fn scene_file(document: &Document, place: &str, path: &str) -> Result<Document> {
-    let path = document.folder().join(path);
-    if !path.is_file() {
-        let problem = format!("there is no scene file {}", path.display());
-        let remedy = "Paths of scenes are relative to the experiment file.";
+    let folder = document.folder();
+    let Some(found) = shipped::scene_of_experiment(folder, path) else {
+        let problem = format!("there is no scene file {}", folder.join(path).display());
+        let remedy = format!(
+            "Paths of scenes are relative to the experiment file; built in: {}.",
+            shipped::scene_paths()
+        );
         return Err(document.error(place, problem, remedy));
-    }
-    Document::read(&path)
+    };
+    Document::read(&found)
 }
 
 fn set_axis(document: &Document, place: &str, target: &str, shorthands: &[Axis]) -> Result<Axis> {

@@ -21,30 +21,11 @@ pub(crate) fn sentence<'a>(word: &str, candidates: impl IntoIterator<Item = &'a 
         .unwrap_or_default()
 }
 
-/// Edits from `a` to `b`: letters inserted, removed, replaced, or two neighbours swapped (optimal string alignment);
-/// upper and lower case alike. Words are cut at 64 characters.
+/// Edits from `a` to `b`: letters inserted, removed, replaced, or two neighbours swapped; upper and lower case alike.
+/// Words are cut at 64 characters.
 fn distance(a: &str, b: &str) -> usize {
-    let letters = |s: &str| {
-        s.chars()
-            .take(64)
-            .flat_map(char::to_lowercase)
-            .collect::<Vec<_>>()
-    };
-    let (a, b) = (letters(a), letters(b));
-    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut best = replaced.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                best = best.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(best);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
+    let [a, b] = [a, b].map(|word| word.chars().take(64).collect::<String>().to_lowercase());
+    strsim::osa_distance(&a, &b)
 }
 
 #[cfg(test)]

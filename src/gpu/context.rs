@@ -1,6 +1,7 @@
 //! Adapter, device and queue, and the errors they report outside of calls.
 
 use super::environment::{Environment, host, program};
+use super::instance::{self, BACKENDS};
 use super::shader::Sources;
 use super::timing::Timer;
 use crate::error::{Error, Result};
@@ -51,23 +52,13 @@ pub struct AdapterSummary {
     pub max_texture_2d: u32,
 }
 
-/// Vulkan, Metal, Direct3D 12. The window's toolkit brings OpenGL too, whose adapters lack what the marcher needs.
-const BACKENDS: wgpu::Backends = wgpu::Backends::PRIMARY;
-
-fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends: BACKENDS,
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    })
-}
-
 fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     pollster::block_on(instance.enumerate_adapters(BACKENDS))
 }
 
 /// Every adapter of this machine; empty when there is no driver.
 pub fn list_adapters() -> Vec<AdapterSummary> {
-    adapters(&instance())
+    adapters(&instance::without_windows())
         .iter()
         .map(|adapter| {
             let (info, features) = (adapter.get_info(), adapter.features());
@@ -120,7 +111,16 @@ fn choose(instance: &wgpu::Instance, wanted: Option<&str>) -> Result<wgpu::Adapt
 impl Gpu {
     /// Opens the adapter whose name holds `wanted`, or the fastest kind. Optional features are taken when offered.
     pub fn new(wanted: Option<&str>) -> Result<Self> {
-        let instance = instance();
+        Self::open(instance::without_windows(), wanted)
+    }
+
+    /// The same for a device that also draws a window.
+    #[cfg(feature = "ui")]
+    pub fn for_window(wanted: Option<&str>) -> Result<Self> {
+        Self::open(instance::with_windows(), wanted)
+    }
+
+    fn open(instance: wgpu::Instance, wanted: Option<&str>) -> Result<Self> {
         let adapter = choose(&instance, wanted)?;
         let optional = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::FLOAT32_FILTERABLE

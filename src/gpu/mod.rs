@@ -5,6 +5,7 @@ mod clock_watch;
 mod clocks;
 mod context;
 mod environment;
+mod instance;
 mod kernel;
 mod lavapipe;
 mod readback;

@@ -4,6 +4,7 @@
 //! that every pipeline is specialised and holds no code of a feature its scene or method does not use.
 
 use crate::error::{Error, REPORT, Result};
+use include_dir::{Dir, include_dir};
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue,
     get_preprocessor_data,
@@ -26,40 +27,17 @@ pub struct Program<'a> {
     pub defs: Defs,
 }
 
-macro_rules! shaders {
-    ($($path:literal),* $(,)?) => { &[$(($path, include_str!(concat!("../../shaders/", $path)))),*] };
-}
+/// The folder, compiled in.
+static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
-/// The files, compiled in; methods bring their own through `MethodInfo`.
-const FILES: &[(&str, &str)] = shaders![
-    "shared/numerics.wgsl",
-    "shared/frame.wgsl",
-    "shared/layer.wgsl",
-    "container/shell.wgsl",
-    "container/box.wgsl",
-    "shared/occupancy.wgsl",
-    "density/uniform.wgsl",
-    "density/volume.wgsl",
-    "density/procedural.wgsl",
-    "shared/medium.wgsl",
-    "shared/secondary.wgsl",
-    "shared/map.wgsl",
-    "shared/column.wgsl",
-    "shared/front.wgsl",
-    "shared/map_lookup.wgsl",
-    "shared/phase.wgsl",
-    "shared/ambient.wgsl",
-    "sky/preetham.wgsl",
-    "noise/lattice.wgsl",
-    "noise/shape.wgsl",
-    "noise/detail.wgsl",
-    "noise/weather.wgsl",
-    "noise/columns.wgsl",
-    "generate.wgsl",
-    "raymarch.wgsl",
-    "temporal.wgsl",
-    "clock_probe.wgsl",
-];
+/// Path and text of every shader in a folder and below.
+fn files(folder: &'static Dir<'static>) -> Vec<(&'static str, &'static str)> {
+    let own = folder
+        .files()
+        .filter_map(|file| Some((file.path().to_str()?, file.contents_utf8()?)))
+        .filter(|(path, _)| path.ends_with(".wgsl"));
+    own.chain(folder.dirs().flat_map(files)).collect()
+}
 
 /// The text of every shader file, by its path below `shaders/`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,7 +49,8 @@ impl Sources {
         let methods = crate::occlusion::REGISTRY
             .iter()
             .map(|m| (m.info().shader, m.info().source));
-        let all = FILES.iter().copied().chain(methods);
+        // A method's own text comes with it, wherever its file lies.
+        let all = files(&FILES).into_iter().chain(methods);
         Self(all.map(|(path, text)| (path, text.into())).collect())
     }
 
@@ -213,11 +192,10 @@ impl Loader<'_> {
             .map(|(_, path)| (*path).to_owned());
         role.or_else(|| {
             let file = format!("{name}.wgsl");
-            FILES
-                .iter()
-                .map(|(p, _)| *p)
-                .find(|p| p.ends_with(&file) && p.rsplit('/').next() == Some(&file))
-                .map(str::to_owned)
+            let mut paths = self.sources.0.keys();
+            paths
+                .find(|path| path.rsplit('/').next() == Some(&file))
+                .map(|path| (*path).to_owned())
         })
     }
 

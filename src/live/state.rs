@@ -58,7 +58,7 @@ impl State {
         let matrix = expand(experiment, &Registry)?;
         let view = matrix.views.first().ok_or_else(|| {
             Error::input(
-                experiment.document().path().display().to_string(),
+                experiment.document().name(),
                 "the experiment has no view",
                 "Give it a scene and a method.",
             )

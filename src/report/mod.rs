@@ -1,6 +1,6 @@
 //! Records → csv, charts, page.
 //!
-//! [`write`] rebuilds a report folder from its records alone, so a folder can be remade from `report.json` at any time
+//! [`write()`] rebuilds a report folder from its records alone, so a folder can be remade from `report.json` at any time
 //! and comes out byte for byte the same:
 //!
 //! ```text

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
 use crate::occlusion::param::{ParamKind, ParamSpec, ParamValue};
 use crate::occlusion::{MethodSetup, REGISTRY};
+use npyz::WriterBuilder;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -79,16 +80,15 @@ pub fn write_volumes(folder: &Path, volumes: &BTreeMap<String, VolumeFile>) -> R
     std::fs::create_dir_all(&inputs).map_err(Error::writing(&inputs))?;
     for (name, volume) in volumes {
         let path = inputs.join(format!("{name}.npy"));
-        let bytes = npy(volume);
         write_atomic(&path, |file| {
-            file.write_all(&bytes).map_err(Error::writing(&path))
+            write_volume(file, volume).map_err(Error::writing(&path))
         })?;
     }
     Ok(())
 }
 
-/// NumPy format 1.0: magic, length of the header, the header padded to 64 bytes, the values.
-fn npy(volume: &VolumeFile) -> Vec<u8> {
+/// One volume as a NumPy file.
+fn write_volume(file: impl Write, volume: &VolumeFile) -> std::io::Result<()> {
     let [nx, ny, nz] = volume.cells.map(|n| n as usize);
     let mut values = vec![0.0f32; nx * ny * nz];
     for fill in &volume.fill {
@@ -100,14 +100,11 @@ fn npy(volume: &VolumeFile) -> Vec<u8> {
             }
         }
     }
-    let mut header =
-        format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
-    // Magic, version and length take 10 bytes; a line feed ends the header.
-    header.push_str(&" ".repeat(63 - (10 + header.len()) % 64));
-    header.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
-    bytes
+    let array = npyz::WriteOptions::new()
+        .default_dtype()
+        .shape(&[nz, ny, nx].map(|n| n as u64))
+        .writer(file);
+    let mut writer = array.begin_nd()?;
+    writer.extend(values)?;
+    writer.finish()
 }

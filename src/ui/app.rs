@@ -6,12 +6,13 @@ use super::shown::Shown;
 use super::view::{Mode, Pane, Play};
 use super::{banner, batch, controls, files, help, lower, measure, menu, remember};
 use crate::config::load_scene;
-use crate::error::{Error, Result};
+use crate::config::shipped::{self, Kind};
+use crate::error::Result;
 use crate::live::{Live, Request, State, Update};
 use crate::occlusion::{MethodSetup, REGISTRY};
 use eframe::egui;
 use egui::util::undoer::Undoer;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
@@ -62,22 +63,15 @@ pub struct App {
     ending: Arc<Mutex<Option<String>>>,
 }
 
-/// Where scenes of the command line come from, too.
-const SCENES: &str = "configs/scenes";
-
 impl App {
     /// The content of a window over a worker.
     pub fn new(live: Live, adapter: String, state: Option<State>, start: Instant) -> Result<Self> {
-        let scenes = scene_files(Path::new(SCENES));
-        let (state, scene_file) = match (state, scenes.first()) {
-            (Some(state), _) => (state, None),
-            (None, Some(first)) => (State::new(load_scene(first)?)?, Some(first.clone())),
-            (None, None) => {
-                return Err(Error::input(
-                    SCENES,
-                    "there is no scene file in this folder",
-                    "Name a scene: `occlab view SCENE.json`.",
-                ));
+        let scenes = shipped::list(Kind::Scene);
+        let (state, scene_file) = match state {
+            Some(state) => (state, None),
+            None => {
+                let first = scenes.first().cloned().unwrap_or_default();
+                (State::new(load_scene(&first)?)?, Some(first))
             }
         };
         Ok(Self {
@@ -256,18 +250,4 @@ impl eframe::App for App {
     fn on_exit(&mut self) {
         self.remember_at_exit();
     }
-}
-
-/// JSON files of a folder, by name; none when it cannot be read.
-fn scene_files(folder: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        return Vec::new();
-    };
-    let mut files: Vec<PathBuf> = entries
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|e| e == "json"))
-        .collect();
-    files.sort();
-    files
 }

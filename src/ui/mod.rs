@@ -37,7 +37,7 @@ use std::time::Instant;
 
 /// What the window is opened with.
 pub struct Options {
-    /// What to show first; `None` = where the last window was left, else the first scene of `configs/scenes`.
+    /// What to show first; `None` = where the last window was left, else the first scene by name.
     pub state: Option<State>,
     /// Folder of shaders to read instead of the compiled-in ones, and to watch.
     pub shaders: Option<PathBuf>,
@@ -45,12 +45,12 @@ pub struct Options {
     pub start: Instant,
 }
 
-/// Opens the window on `gpu` and returns when it is closed.
+/// Opens the window on `gpu`, which was made by [`Gpu::for_window`], and returns when it is closed.
 pub fn open(gpu: Gpu, options: Options) -> Result<()> {
     // One device for both, except on llvmpipe: after a frame of the window it would put off the timestamps of the
     // passes behind it until the next, so that they measure nothing.
     let own = match gpu.is_software() {
-        true => Some(Gpu::new(Some(&gpu.info.name))?),
+        true => Some(Gpu::for_window(Some(&gpu.info.name))?),
         false => None,
     };
     let screen = own.as_ref().unwrap_or(&gpu);

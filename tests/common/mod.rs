@@ -5,6 +5,7 @@ pub mod agreement;
 pub mod formula;
 
 use glam::DVec3;
+use npyz::WriterBuilder;
 use occlab::frame::Frame;
 use occlab::gpu::Gpu;
 use occlab::occlusion::MethodSetup;
@@ -13,7 +14,8 @@ use occlab::scene::ImageSize;
 use occlab::scene::{
     Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Volume,
 };
-use std::io::Write;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Sender, channel};
@@ -269,20 +271,16 @@ pub fn cumulus() -> Scene {
 
 /// Writes an f32 cube of `n` cells an edge, value(x, y, z) at cell (x, y, z), as `[z][y][x]`.
 pub fn write_cube(folder: &Path, n: usize, value: impl Fn(usize, usize, usize) -> f32) -> PathBuf {
-    let mut header =
-        format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({n}, {n}, {n}), }}");
-    header.push_str(&" ".repeat(63 - (10 + header.len()) % 64));
-    header.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend(u16::try_from(header.len()).unwrap().to_le_bytes());
-    bytes.extend(header.as_bytes());
-    for z in 0..n {
-        for y in 0..n {
-            bytes.extend((0..n).flat_map(|x| value(x, y, z).to_le_bytes()));
-        }
-    }
     let path = folder.join("cube.npy");
-    std::fs::write(&path, bytes).unwrap();
+    let array = npyz::WriteOptions::new()
+        .default_dtype()
+        .shape(&[n as u64; 3])
+        .writer(BufWriter::new(File::create(&path).unwrap()));
+    let mut writer = array.begin_nd().unwrap();
+    for (z, y) in (0..n).flat_map(|z| (0..n).map(move |y| (z, y))) {
+        writer.extend((0..n).map(|x| value(x, y, z))).unwrap();
+    }
+    writer.finish().unwrap();
     path
 }
 

@@ -72,8 +72,7 @@ fn experiment() -> Value {
 }
 
 fn scene_entry() -> Value {
-    let path =
-        json!({"type": "string", "description": "Scene file, relative to the experiment file."});
+    let path = json!({"type": "string", "description": "Scene file, relative to the experiment file, or a built-in one."});
     json!({"anyOf": [path, {
         "type": "object",
         "properties": {

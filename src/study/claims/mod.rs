@@ -1,6 +1,6 @@
 //! Published claims put to the test: predicates over records, with the numbers that decided.
 //!
-//! A time is an interval (see [`Interval`]); a predicate holds or fails only where the whole interval says so, and is
+//! A time is an interval (see [`Interval`](crate::study::Interval)); a predicate holds or fails only where the whole interval says so, and is
 //! otherwise not decidable here. So is whatever meets a missing or failed cell. Nothing is forced.
 
 mod curve;
