@@ -59,7 +59,7 @@ fn what_ships_is_found_by_name_in_an_empty_folder() {
     refused(&run(bare.path(), RENDER), &["--out: `a.txt`"]);
     let study = run(bare.path(), "study m --profile none");
     let place = "configs/studies/m.json (built in):";
-    refused(&study, &[place, "no profile `none`", "quick"]);
+    refused(&study, &["--profile", place, "no profile `none`", "quick"]);
     // The sweep's file is read before the adapter is looked for.
     let sweep = run(bare.path(), "stability --adapter none-of-this-name");
     refused(&sweep, &["error: adapter:"]);

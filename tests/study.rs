@@ -262,7 +262,7 @@ fn studies_are_listed_and_an_unknown_one_is_refused() {
     );
     refused(
         &occlab(root).args(["study", "n"]).output().unwrap(),
-        &["n:", "configs/studies/n.json"],
+        &["n:", "neither here nor in configs/studies", "Built in: m"],
     );
     let folder = tempfile::tempdir().unwrap();
     let studies = folder.path().join("configs/studies");

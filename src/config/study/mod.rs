@@ -155,7 +155,7 @@ fn from_document(document: &Document, profile: &str) -> Result<Study> {
     let Some(chosen) = profiles.get(profile) else {
         let names: Vec<&str> = profiles.keys().map(String::as_str).collect();
         let problem = format!("there is no profile `{profile}`");
-        let place = document.path().display();
+        let place = document.name();
         let remedy = format!("Profiles of {place}: {}.", names.join(", "));
         return Err(Error::input("--profile", problem, remedy));
     };
