@@ -52,9 +52,9 @@ fn frames_in_flight_are_all_timed_and_fill_their_wall_time() {
             let one = prepared.run(gpu, &mut unwatched).unwrap();
             let picture = view.read(gpu).unwrap();
             for frames in [1, 2, 4, 8, 16, 160] {
-                let mut asked_aloft = false;
-                let times = prepared.repeat(gpu, frames, || asked_aloft = true).unwrap();
-                assert!(asked_aloft && times.len() == frames as usize);
+                let mut asked = false;
+                let times = prepared.repeat(gpu, frames, || asked = true).unwrap();
+                assert!(asked && times.len() == frames as usize);
                 let wall_ms: f64 = times.iter().map(|t| t.wall).sum();
                 if gpu.has_timestamps() {
                     let passes_ms: f64 = times.iter().filter_map(PassTimes::total).sum();

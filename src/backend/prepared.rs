@@ -98,16 +98,16 @@ impl<'v> Prepared<'v> {
         }
     }
 
-    /// Renders `frames` pictures, or the next frames of a sequence, without waiting between them; the times of each. `aloft`
+    /// Renders `frames` pictures, or the next frames of a sequence, without waiting between them; the times of each. `meanwhile`
     /// is called while they are under way, on the oracle before them. Run once before.
-    pub fn repeat(&self, frames: u32, aloft: impl FnOnce()) -> Result<Vec<PassTimes>> {
+    pub fn repeat(&self, frames: u32, meanwhile: impl FnOnce()) -> Result<Vec<PassTimes>> {
         match &self.kind {
-            Kind::Temporal(temporal) => temporal.repeat(&self.setup, frames, aloft),
+            Kind::Temporal(temporal) => temporal.repeat(&self.setup, frames, meanwhile),
             Kind::Device {
                 renderer, prepared, ..
-            } => prepared.repeat(&renderer.gpu, frames, aloft),
+            } => prepared.repeat(&renderer.gpu, frames, meanwhile),
             Kind::Oracle { .. } => {
-                aloft();
+                meanwhile();
                 (0..frames).map(|_| self.run(&mut unwatched)).collect()
             }
         }

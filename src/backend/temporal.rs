@@ -125,14 +125,14 @@ impl Temporal<'_> {
         &self,
         setup: &MethodSetup,
         frames: u32,
-        aloft: impl FnOnce(),
+        meanwhile: impl FnOnce(),
     ) -> Result<Vec<PassTimes>> {
         match self {
             Self::Device {
                 renderer, prepared, ..
-            } => prepared.repeat(&renderer.gpu, frames, aloft),
+            } => prepared.repeat(&renderer.gpu, frames, meanwhile),
             Self::Oracle { .. } => {
-                aloft();
+                meanwhile();
                 (0..frames)
                     .map(|_| self.run(setup, &mut unwatched))
                     .collect()

@@ -7,7 +7,6 @@ use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::metrics::summarise;
 use crate::occlusion::MethodSetup;
-use crate::raymarch::PassTimes;
 use serde_json::json;
 
 /// The method of a cell with its parameters.
@@ -17,25 +16,21 @@ pub(super) fn setup(spec: &CellSpec) -> Result<MethodSetup> {
 
 /// Statistics of each pass over the timed rounds.
 pub(super) fn times(rounds: &[Round]) -> Times {
-    let stats = |value: fn(&PassTimes) -> Option<f64>| {
-        let values = rounds.iter().filter_map(|round| value(&round.times));
-        summarise(&values.collect::<Vec<_>>())
+    let stats = |value: fn(&Round) -> Option<f64>| {
+        summarise(&rounds.iter().filter_map(value).collect::<Vec<_>>())
     };
     Times {
-        generate: stats(|t| t.generate),
-        march: stats(|t| t.march),
-        reconstruct: stats(|t| t.reconstruct),
-        total: stats(PassTimes::total),
-        wall: stats(|t| Some(t.wall)),
+        generate: stats(|round| round.times.generate),
+        march: stats(|round| round.times.march),
+        reconstruct: stats(|round| round.times.reconstruct),
+        total: stats(|round| round.total_ms),
+        wall: stats(|round| Some(round.times.wall)),
     }
 }
 
 /// A time of each round, in round order, `None` where a round has none; nothing where no round has one.
-pub(super) fn each_round(
-    rounds: &[Round],
-    value: fn(&PassTimes) -> Option<f64>,
-) -> Vec<Option<f64>> {
-    let times: Vec<_> = rounds.iter().map(|round| value(&round.times)).collect();
+pub(super) fn each_round(rounds: &[Round], value: fn(&Round) -> Option<f64>) -> Vec<Option<f64>> {
+    let times: Vec<_> = rounds.iter().map(value).collect();
     match times.iter().all(Option::is_none) {
         true => Vec::new(),
         false => times,
@@ -94,6 +89,7 @@ pub(super) fn record_failure(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raymarch::PassTimes;
 
     fn round(generate: Option<f64>) -> Round {
         Round {
@@ -103,6 +99,7 @@ mod tests {
                 refused: generate.is_none(),
                 ..PassTimes::default()
             },
+            total_ms: generate.map(|ms| ms + 2.0),
             ..Round::default()
         }
     }
@@ -110,10 +107,10 @@ mod tests {
     #[test]
     fn a_round_without_a_time_is_null_in_its_place_and_in_no_statistic() {
         let rounds = [round(Some(1.0)), round(None), round(Some(3.0))];
-        let total = each_round(&rounds, PassTimes::total);
+        let total = each_round(&rounds, |round| round.total_ms);
         assert_eq!(total, [Some(3.0), None, Some(5.0)]);
         let stats = times(&rounds).total.expect("statistics");
         assert_eq!((stats.n, stats.median), (2, 4.0));
-        assert_eq!(each_round(&[round(None)], PassTimes::total), []);
+        assert_eq!(each_round(&[round(None)], |round| round.total_ms), []);
     }
 }

@@ -21,6 +21,8 @@ pub struct ClockRecord {
     pub warm_up_s: f64,
     /// The probe's time then, ms.
     pub settled_ms: f64,
+    /// Work of the probe, rows of 131072 threads: chosen for the device, so that its time is some milliseconds.
+    pub probe_rows: u32,
     /// The probe's time before each timed round and after the last, ms.
     pub rounds_ms: Vec<f64>,
     /// What an NVIDIA device said of its clocks, power and throttling while frames were in flight; absent elsewhere.
@@ -60,6 +62,11 @@ impl<'a> Watch<'a> {
         })
     }
 
+    /// Has the device a clock that falls when it rests? The processor, which serves a software adapter, is never at rest here.
+    pub fn has_clock(&self) -> bool {
+        self.device.is_some_and(|(gpu, _)| !gpu.is_software())
+    }
+
     /// Keeps the device busy until its clock has settled.
     pub fn settle(&mut self, reference: &str, block: usize) -> Result<()> {
         let Some((gpu, watch)) = self.device else {
@@ -73,6 +80,7 @@ impl<'a> Watch<'a> {
             settled: warm_up.settled,
             warm_up_s: warm_up.seconds,
             settled_ms: warm_up.probe_ms,
+            probe_rows: warm_up.rows,
             rounds_ms: Vec::new(),
             clocks: None,
         });
@@ -114,6 +122,7 @@ mod tests {
             settled: true,
             warm_up_s: 0.6,
             settled_ms: 4.0,
+            probe_rows: 1,
             rounds_ms: vec![4.0, 4.2, 3.9],
             clocks: None,
         };

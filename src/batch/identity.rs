@@ -180,7 +180,8 @@ fn absent(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
         path,
         action: "read",
         source,
-        remedy: "A scene reads it: put it back, or correct its path. Cells that were measured with it are kept and found again.",
+        remedy: "A scene reads it: put it back, correct its path, or take the scene out of the experiment. Cells that were measured \
+            with it are kept and found again.",
     }
 }
 

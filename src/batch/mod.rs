@@ -130,7 +130,7 @@ pub fn measure(
             done,
         },
     )?;
-    let again = plan.differs_from(identity.sources(), &store.state().environment.commit);
+    let again = plan.differs_from(identity.sources(), &backend.environment().commit);
     for note in found.iter().chain(&again).chain(&matrix.notes) {
         tell(observe, Event::Note(note.clone()))?;
     }

@@ -7,6 +7,7 @@ use crate::config::{Experiment, Matrix, expand, experiment_of};
 use crate::density::volume::file_of;
 use crate::error::{Error, Result};
 use crate::occlusion::Registry;
+use crate::provenance;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -34,14 +35,15 @@ struct Again {
     commit: String,
 }
 
-/// The report that `path` names, by its folder or by itself; `None` for any other file.
+/// The report that `path` names, by its folder or by itself; `None` for anything else.
 pub fn report_file(path: &Path) -> Option<PathBuf> {
     #[derive(Deserialize)]
     struct Start {
         schema: String,
     }
     if path.is_dir() {
-        return Some(path.join(REPORT));
+        // A folder that only has the name of an experiment is none.
+        return Some(path.join(REPORT)).filter(|report| report.is_file());
     }
     if !path.is_file() {
         return None;
@@ -81,20 +83,22 @@ impl Plan {
         let mut planned = cells.iter();
         let images = experiment.images.len();
         for (i, view) in matrix.views.iter_mut().enumerate() {
-            let scene = scenes.get(i / images).ok_or_else(|| edited(path))?;
+            let scene = scenes
+                .get(i / images)
+                .ok_or_else(|| unlike(path, &report))?;
             let mut set = None;
             for spec in &view.cells {
                 let cell = planned.next().filter(|cell| {
                     let plan = planned_cell(view, spec);
                     (&scene.id, &plan.scene, key(&plan)) == (&cell.scene_id, &cell.scene, key(cell))
                 });
-                let cell = cell.ok_or_else(|| edited(path))?;
+                let cell = cell.ok_or_else(|| unlike(path, &report))?;
                 set.get_or_insert(&cell.scene_set);
             }
             view.scene_set = set.cloned().unwrap_or_default();
         }
         if planned.next().is_some() {
-            return Err(edited(path));
+            return Err(unlike(path, &report));
         }
         Ok(Self {
             experiment,
@@ -176,9 +180,9 @@ fn find(folder: &Path, name: &str, inputs: &[InputFile]) -> Result<String, Strin
     let Some(input) = inputs.iter().find(|input| input.path == name) else {
         return Err(format!("`{name}` has no hash in the report"));
     };
-    let beside = Path::new(name)
-        .file_name()
-        .map(|name| name.to_string_lossy());
+    let part = file_of(Path::new(name));
+    let beside = part.file.file_name().map(|file| part.path_in(file));
+    let beside = beside.as_deref().map(Path::to_string_lossy);
     let mut other = None;
     for place in [Some(name), beside.as_deref()].into_iter().flatten() {
         let file = folder.join(place);
@@ -245,9 +249,16 @@ fn experiment(written: &Value, scenes: &[SceneRecord], cells: &[&Cell]) -> Value
     value
 }
 
-fn edited(path: &Path) -> Error {
-    let problem =
-        "its cells are not those of its scenes, images, methods and parameters: somebody edited it";
+/// The cells that the report's scenes and settings make here are not those that it holds.
+fn unlike(path: &Path, report: &Report) -> Error {
     let remedy = "Run its experiment file instead.";
+    let problem = match report.sources == provenance::cell_sources() {
+        true => "its cells are not those of its scenes, images, methods and parameters: somebody edited it".to_owned(),
+        false => format!(
+            "its cells are not those that this version makes of its scenes, images, methods and parameters: it was measured \
+             by {}, which may have had others, or somebody edited it",
+            report.environment.commit
+        ),
+    };
     Error::input(path.display().to_string(), problem, remedy)
 }

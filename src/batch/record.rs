@@ -63,7 +63,7 @@ pub struct SceneRecord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InputFile {
-    /// Its path, as the scenes name it.
+    /// Its path as the scenes name it, with the array that they take from an archive: `clouds.npz:density`.
     pub path: String,
     /// Its length.
     pub bytes: u64,
@@ -154,7 +154,7 @@ pub struct Cell {
     pub sun_elevation_deg: f64,
     /// Method id of the registry.
     pub method: String,
-    /// Every parameter of the method, defaults included.
+    /// Every parameter of the method that applies at this setting, defaults included.
     pub params: Map<String, Value>,
     /// How its pictures come about; absent = `full`. The picture of a temporal cell is that of a camera at rest, after
     /// four frames; its times and samples are those of one frame.
@@ -188,11 +188,11 @@ pub struct Measured {
     pub block: usize,
     /// Milliseconds over the repeats.
     pub time_ms: Times,
-    /// Frames that were in the queue at once in each round, at least; a round's time is the median over them.
+    /// Frames that were handed over without waiting in each round, at least; a round's time is the median over them.
     #[serde(default = "one")]
     pub frames_in_flight: u32,
     /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. `null` for a round
-    /// whose timestamps are no times; empty without timestamps.
+    /// whose timestamps are invalid; empty without timestamps.
     pub rounds_total_ms: Vec<Option<f64>>,
     /// Time of the map pass in each round, ms, likewise. Empty without a map.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -276,7 +276,7 @@ pub struct Ghosting {
     pub rel_rmse: Vec<f64>,
 }
 
-/// Statistics of each pass over the repeats; `null` where the adapter has no timestamps ("n/a", never 0).
+/// Statistics of each pass over the rounds, each the median of its frames: single frames scatter more; `null` where the adapter has no timestamps ("n/a", never 0).
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Times {
@@ -287,18 +287,18 @@ pub struct Times {
     /// The pass that adds what was not marched; absent where every pixel is marched.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reconstruct: Option<Stats>,
-    /// Sum of the passes.
+    /// All passes of a frame together.
     pub total: Option<Stats>,
-    /// Submission to completion, seen from the CPU.
+    /// From handing over to completion, seen from the CPU, of all frames of a round, divided by their number.
     pub wall: Option<Stats>,
 }
 
 /// Which time of a cell stands for its cost in a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
-    /// The sum of the device's passes.
+    /// The device's passes.
     Device,
-    /// Submission to completion, seen from the CPU.
+    /// From handing over to completion, seen from the CPU.
     Wall,
 }
 
@@ -322,7 +322,7 @@ impl Clock {
 
 impl Report {
     /// The device's clock where any cell has its time: both are never mixed. Without timestamps the wall clock, which
-    /// also counts submission and read-back.
+    /// also counts recording and submission.
     pub fn clock(&self) -> Clock {
         let timed = |cell: &Cell| {
             let result = cell.result.as_ref();

@@ -17,7 +17,7 @@ pub struct Batch {
     /// Experiment file, or its name; any value in it may be a list, lists multiply into the matrix. Or a report, by its
     /// folder or its report.json: its cells are measured again, from the scenes and parameters that it holds.
     config: PathBuf,
-    /// Report folder; default: reports/NAME of the experiment. A report needs another than its own.
+    /// Report folder; default: reports/NAME of the experiment. Needed for a report: a folder other than its own.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print the matrix and stop.

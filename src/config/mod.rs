@@ -40,7 +40,7 @@ pub(crate) use experiment::experiment_of;
 pub(crate) use suggest::sentence as suggestion;
 
 use crate::error::Result;
-use crate::scene::Scene;
+use crate::scene::{Density, Scene};
 use document::Fault;
 use std::path::Path;
 
@@ -55,5 +55,8 @@ fn scene_of(value: &serde_json::Value, folder: &Path) -> Result<Scene, Fault> {
     let mut scene: Scene = document::deserialize(value)?;
     scene.validate()?;
     scene.resolve_paths(folder);
+    if let Density::Volume(volume) = &scene.density {
+        volume.check_path()?;
+    }
     Ok(scene)
 }

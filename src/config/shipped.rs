@@ -5,10 +5,10 @@
 
 use super::suggest;
 use crate::error::{Error, Result};
+use crate::frame::atomic::create_atomic;
 use include_dir::{Dir, include_dir};
 use std::ffi::OsStr;
-use std::fs::File;
-use std::io::{ErrorKind, Write};
+use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
@@ -190,20 +190,16 @@ fn write_new(path: &Path, text: &str) -> Result<Outcome> {
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent).map_err(Error::writing(parent))?;
     }
-    let mut file = match File::create_new(path) {
-        Ok(file) => file,
-        Err(e) if e.kind() == ErrorKind::AlreadyExists => {
-            let same = std::fs::read(path).is_ok_and(|found| found == text.as_bytes());
-            return Ok(if same { Outcome::Same } else { Outcome::Kept });
-        }
-        Err(e) => return Err(Error::writing(path)(e)),
-    };
-    file.write_all(text.as_bytes()).map_err(|e| {
-        // Half a file would be taken for the user's own. The reason to report is that of the write.
-        let _ = std::fs::remove_file(path);
-        Error::writing(path)(e)
+    let written = create_atomic(path, |file| {
+        file.write_all(text.as_bytes())
+            .map_err(Error::writing(path))
     })?;
-    Ok(Outcome::Written)
+    let same = || std::fs::read(path).is_ok_and(|found| found == text.as_bytes());
+    Ok(match written {
+        true => Outcome::Written,
+        false if same() => Outcome::Same,
+        false => Outcome::Kept,
+    })
 }
 
 #[cfg(test)]

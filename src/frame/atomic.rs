@@ -32,8 +32,34 @@ pub(crate) fn create_atomic(
     match temporary(path, fill)?.persist_noclobber(path) {
         Ok(_) => Ok(true),
         Err(e) if e.error.kind() == ErrorKind::AlreadyExists => Ok(false),
+        // A file system without hard links, nor a rename that replaces nothing: some USB sticks and shares of other systems.
+        Err(e)
+            if matches!(
+                e.error.kind(),
+                ErrorKind::Unsupported | ErrorKind::PermissionDenied
+            ) =>
+        {
+            copy_new(e.file.path(), path)
+        }
         Err(e) => Err(Error::writing(path)(e.error)),
     }
+}
+
+/// Copies a file to where there is none; a reader may see a half of it for a moment.
+fn copy_new(from: &Path, to: &Path) -> Result<bool> {
+    let content = std::fs::read(from).map_err(Error::writing(to))?;
+    let mut file = match File::create_new(to) {
+        Ok(file) => file,
+        Err(e) if e.kind() == ErrorKind::AlreadyExists => return Ok(false),
+        Err(e) => return Err(Error::writing(to)(e)),
+    };
+    let written = file.write_all(&content).and_then(|()| file.sync_all());
+    written.map_err(|e| {
+        // The reason to report is that of the write.
+        let _ = std::fs::remove_file(to);
+        Error::writing(to)(e)
+    })?;
+    Ok(true)
 }
 
 /// A whole file beside `path`, on the disk.
@@ -132,5 +158,16 @@ mod tests {
                 .to_string()
                 .contains("a.bin")
         );
+    }
+
+    #[test]
+    fn a_copy_is_made_where_there_is_no_file_and_nowhere_else() {
+        let folder = tempfile::tempdir().expect("folder");
+        let [from, to] = ["a", "b"].map(|name| folder.path().join(name));
+        std::fs::write(&from, "whole").expect("written");
+        assert!(copy_new(&from, &to).expect("copied"));
+        std::fs::write(&from, "other").expect("written");
+        assert!(!copy_new(&from, &to).expect("kept"));
+        assert_eq!(std::fs::read_to_string(&to).expect("read"), "whole");
     }
 }

@@ -21,5 +21,5 @@ pub use environment::{Environment, host, program};
 pub use kernel::{Inputs, Kernel, Resource};
 pub use readback::{read_buffer, read_texture};
 pub use shader::{Defs, Program, Sources, compose};
-pub use timing::{Flight, Landed, PassTime, Span, Timer};
+pub use timing::{Flight, FlightTimes, PassTime, Span, Timer};
 pub use uniform::{Leaf, Scalar, UniformValue, pack, struct_leaves};

@@ -7,7 +7,7 @@ use super::context::Gpu;
 use super::kernel::Kernel;
 use super::readback::read_buffer;
 use crate::error::Result;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::time::Instant;
 
 /// Passes of one submission that are timed: their timestamps fill what `resolve_query_set` aligns to, 256 bytes.
@@ -23,6 +23,8 @@ const CLOCK_TOLERANCE: f64 = 0.01;
 /// Timestamp queries of a device, for one flight at a time.
 pub struct Timer {
     sets: RefCell<Vec<QuerySet>>,
+    /// Latest timestamp of the flights so far: an earlier one is left over from them.
+    latest: Cell<u64>,
 }
 
 #[derive(Clone)]
@@ -36,6 +38,7 @@ impl Timer {
     pub(super) fn new() -> Self {
         Self {
             sets: RefCell::default(),
+            latest: Cell::new(0),
         }
     }
 
@@ -85,7 +88,7 @@ pub struct Flight<'g> {
 }
 
 /// What a flight took.
-pub struct Landed {
+pub struct FlightTimes {
     /// From the flight's begin to the end of its work, seen from the CPU, ms.
     pub wall_ms: f64,
     spans_ms: Option<Vec<Option<f64>>>,
@@ -94,9 +97,9 @@ pub struct Landed {
 /// Time of a pass that may have several spans.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassTime {
-    /// Sum of its spans, ms; `None` without timestamps or where one of them is no time.
+    /// Sum of its spans, ms; `None` without timestamps or where those of one span are invalid.
     pub ms: Option<f64>,
-    /// Some span of it is no time: 0, reversed, or longer than the submission took.
+    /// Timestamps of some span are invalid: 0, reversed, longer than the flight took, or from before it.
     pub refused: bool,
 }
 
@@ -193,18 +196,18 @@ impl<'g> Flight<'g> {
         self.spans_of_submission = 0;
     }
 
-    /// Hands over the rest and waits for all of it; `aloft` is called when everything is handed over and most of it is
-    /// still under way.
-    pub fn land(mut self, aloft: impl FnOnce()) -> Result<Landed> {
+    /// Hands over the rest and waits for all of it; `meanwhile` is called between the two, when most of a long flight is
+    /// still to be done.
+    pub fn finish(mut self, meanwhile: impl FnOnce()) -> Result<FlightTimes> {
         self.submit();
-        aloft();
+        meanwhile();
         self.gpu.wait()?;
         let wall_ms = self.start.elapsed().as_secs_f64() * 1e3;
         let spans_ms = match self.gpu.timer() {
             None => None,
             Some(timer) => Some(self.read(timer, wall_ms)?),
         };
-        Ok(Landed { wall_ms, spans_ms })
+        Ok(FlightTimes { wall_ms, spans_ms })
     }
 
     fn read(&self, timer: &Timer, wall_ms: f64) -> Result<Vec<Option<f64>>> {
@@ -221,7 +224,13 @@ impl<'g> Flight<'g> {
             [ticks[at], ticks[at + 1]]
         };
         let pairs: Vec<_> = self.spans.iter().map(pair).collect();
-        Ok(spans_ms(&pairs, tick_ms, wall_ms))
+        let after = timer.latest.get();
+        let spans = spans_ms(&pairs, after, tick_ms, wall_ms);
+        let valid = pairs.iter().zip(&spans).filter(|(_, ms)| ms.is_some());
+        timer
+            .latest
+            .set(valid.fold(after, |latest, ([_, end], _)| latest.max(*end)));
+        Ok(spans)
     }
 }
 
@@ -232,7 +241,7 @@ impl Place {
     }
 }
 
-impl Landed {
+impl FlightTimes {
     /// Time of the pass that consists of `spans`.
     pub fn pass(&self, spans: &[Span]) -> PassTime {
         let Some(all) = &self.spans_ms else {
@@ -246,14 +255,15 @@ impl Landed {
     }
 }
 
-/// Durations of spans that were submitted within `wall_ms`. A span that is 0, reversed or longer than that is no time:
-/// Metal reports such of empty passes, AMD's driver of unresolved queries. Spans that only together are longer than the
-/// wall time, although one queue runs them one after the other, are none of them times.
-fn spans_ms(ticks: &[[u64; 2]], tick_ms: f64, wall_ms: f64) -> Vec<Option<f64>> {
+/// Durations of spans that were submitted after the timestamp `after` and ran within `wall_ms`. Timestamps of a span that is
+/// 0, reversed, longer than that or from before are invalid: Metal reports such of empty passes, AMD's driver of queries
+/// that it did not write. Where all spans together are longer than the wall time, although one queue runs them one after
+/// the other, none of them is believed.
+fn spans_ms(ticks: &[[u64; 2]], after: u64, tick_ms: f64, wall_ms: f64) -> Vec<Option<f64>> {
     let limit_ms = wall_ms * (1.0 + CLOCK_TOLERANCE);
     let span_ms = |[begin, end]: &[u64; 2]| {
         let ms = end.checked_sub(*begin).filter(|ticks| *ticks > 0)? as f64 * tick_ms;
-        (ms <= limit_ms).then_some(ms)
+        (ms <= limit_ms && *begin >= after).then_some(ms)
     };
     let spans: Vec<Option<f64>> = ticks.iter().map(span_ms).collect();
     let sum_ms: f64 = spans.iter().flatten().sum();
@@ -268,41 +278,42 @@ mod tests {
     use super::*;
 
     #[test]
-    fn spans_of_nothing_reversed_or_longer_than_the_wall_are_no_times() {
+    fn a_span_of_nothing_reversed_too_long_or_left_over_is_invalid() {
         let ticks = [
             [1000, 3000],
             [5000, 5000],
             [7000, 6000],
             [0, 0],
-            [0, u64::MAX],
+            [900, u64::MAX],
+            [899, 950],
         ];
-        let read = spans_ms(&ticks, 1e-3, 10.0);
-        assert_eq!(read, [Some(2.0), None, None, None, None]);
+        let read = spans_ms(&ticks, 900, 1e-3, 10.0);
+        assert_eq!(read, [Some(2.0), None, None, None, None, None]);
     }
 
     #[test]
-    fn spans_that_together_exceed_the_wall_are_no_times() {
+    fn spans_that_together_exceed_the_wall_are_all_invalid() {
         let ticks = [[0, 6000], [6000, 12_000]];
-        assert_eq!(spans_ms(&ticks, 1e-3, 12.0), [Some(6.0), Some(6.0)]);
-        assert_eq!(spans_ms(&ticks, 1e-3, 10.0), [None, None]);
+        assert_eq!(spans_ms(&ticks, 0, 1e-3, 12.0), [Some(6.0), Some(6.0)]);
+        assert_eq!(spans_ms(&ticks, 0, 1e-3, 10.0), [None, None]);
     }
 
     #[test]
-    fn a_pass_of_which_one_span_is_no_time_has_none() {
-        let landed = Landed {
+    fn a_pass_of_which_one_span_is_invalid_has_no_time() {
+        let finished = FlightTimes {
             wall_ms: 10.0,
             spans_ms: Some(vec![Some(1.0), Some(2.5), None]),
         };
         let pass = |spans: &[usize]| {
             let spans: Vec<Span> = spans.iter().map(|i| Span(*i)).collect();
-            landed.pass(&spans)
+            finished.pass(&spans)
         };
         assert_eq!(
             (pass(&[0, 1]).ms, pass(&[0, 1]).refused),
             (Some(3.5), false)
         );
         assert_eq!((pass(&[0, 2]).ms, pass(&[0, 2]).refused), (None, true));
-        let without = Landed {
+        let without = FlightTimes {
             wall_ms: 10.0,
             spans_ms: None,
         };

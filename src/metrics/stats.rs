@@ -49,26 +49,28 @@ pub fn summarise(values: &[f64]) -> Option<Stats> {
 pub struct Thirds {
     /// Median of the last third over that of the first, less 1.
     pub change: f64,
-    /// The ranges of both thirds have a value in common.
-    pub overlap: bool,
+    /// The medians differ by no more than twice the larger of both thirds' median absolute deviations.
+    pub agree: bool,
 }
 
-/// Compares the thirds of a sample in the order in which it was taken; `None` with fewer than two values a third, whose
-/// range would be a point, and where a value is not positive.
+/// Compares the thirds of a sample in the order in which it was taken; `None` with fewer than three values a third, whose
+/// spread is not known, and where a value is not positive.
 pub fn thirds(values: &[f64]) -> Option<Thirds> {
     let third = values.len() / 3;
-    if third < 2 || !values.iter().all(|v| v.is_finite() && *v > 0.0) {
+    if third < 3 || !values.iter().all(|v| v.is_finite() && *v > 0.0) {
         return None;
     }
-    let (first, last) = (&values[..third], &values[values.len() - third..]);
-    let range = |values: &[f64]| {
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        [least, values.iter().copied().fold(0.0, f64::max)]
+    let parts = [&values[..third], &values[values.len() - third..]];
+    let median = |values: &[f64]| summarise(values).map(|stats| stats.median);
+    let [first, last] = [median(parts[0])?, median(parts[1])?];
+    let deviation = |part: &[f64], from: f64| {
+        let sizes: Vec<f64> = part.iter().map(|v| (v - from).abs()).collect();
+        median(&sizes)
     };
-    let ([a, b], [c, d]) = (range(first), range(last));
+    let deviations = [deviation(parts[0], first)?, deviation(parts[1], last)?];
     Some(Thirds {
-        change: summarise(last)?.median / summarise(first)?.median - 1.0,
-        overlap: a <= d && c <= b,
+        change: last / first - 1.0,
+        agree: (last - first).abs() <= 2.0 * deviations[0].max(deviations[1]),
     })
 }
 
@@ -108,17 +110,26 @@ mod tests {
     }
 
     #[test]
-    fn thirds_of_a_drift_lie_apart_and_of_noise_overlap() {
-        let drift: Vec<f64> = (0..9).map(|i| 10.0 + f64::from(i)).collect();
+    fn thirds_of_a_drift_differ_and_those_of_noise_agree() {
+        let drift: Vec<f64> = (0..12).map(|i| 10.0 + f64::from(i)).collect();
         let drifting = thirds(&drift).unwrap();
         assert_eq!(
-            (drifting.change, drifting.overlap),
-            (17.0 / 11.0 - 1.0, false)
+            (drifting.change, drifting.agree),
+            (19.5 / 11.5 - 1.0, false)
         );
-        let noise = [10.0, 12.0, 11.0, 40.0, 10.0, 9.0, 11.5, 10.5, 12.5];
+        let noise = [
+            10.0, 12.0, 11.0, 10.5, 40.0, 10.0, 9.0, 11.5, 10.2, 12.5, 9.5, 11.1,
+        ];
         let steady = thirds(&noise).unwrap();
-        assert!(steady.overlap && steady.change.abs() < 0.1);
-        assert_eq!(thirds(&noise[..5]), None, "one value a third has no range");
-        assert_eq!(thirds(&[1.0, 1.0, 0.0, 1.0, 1.0, 1.0]), None);
+        assert!(steady.agree && steady.change.abs() < 0.1);
+        let mut one_spike = drift.clone();
+        one_spike[1] = 40.0;
+        assert!(!thirds(&one_spike).unwrap().agree, "a spike hides no drift");
+        assert_eq!(
+            thirds(&noise[..8]),
+            None,
+            "two values a third have no middle"
+        );
+        assert_eq!(thirds(&[0.0; 9]), None);
     }
 }

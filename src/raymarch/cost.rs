@@ -1,10 +1,10 @@
 //! What a picture costs: time, density samples, memory.
 
-use crate::gpu::{Landed, PassTime, Span};
+use crate::gpu::{FlightTimes, PassTime, Span};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Times of one run, ms; GPU times are `None` where the adapter has no timestamps, or gave such as are no times.
+/// Times of one run, ms; GPU times are `None` where the adapter has no timestamps, or gave invalid ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassTimes {
     /// The map pass; `None` without a map.
@@ -13,9 +13,9 @@ pub struct PassTimes {
     pub march: Option<f64>,
     /// What temporal integration adds to the pixels it marched; `None` where every pixel is marched.
     pub reconstruct: Option<f64>,
-    /// Submission to completion, seen from the CPU; of frames in flight together, an equal share of all.
+    /// From submission to completion, seen from the CPU; of frames in flight together an equal share, recording included.
     pub wall: f64,
-    /// Timestamps of some pass are no time (see [`PassTime`]): that pass and the total have none.
+    /// Timestamps of some pass are invalid (see [`PassTime`]): that pass and the total have no time.
     pub refused: bool,
 }
 
@@ -55,13 +55,13 @@ pub(super) struct FrameSpans {
 
 impl FrameSpans {
     /// Times of the picture, one of `frames` in flight together.
-    pub fn times(&self, landed: &Landed, frames: u32) -> PassTimes {
-        let optional = |spans: &[Span]| (!spans.is_empty()).then(|| landed.pass(spans));
+    pub fn times(&self, finished: &FlightTimes, frames: u32) -> PassTimes {
+        let optional = |spans: &[Span]| (!spans.is_empty()).then(|| finished.pass(spans));
         PassTimes::of_passes(
             optional(&self.generate),
-            landed.pass(&self.march),
+            finished.pass(&self.march),
             optional(&self.reconstruct),
-            landed.wall_ms / f64::from(frames),
+            finished.wall_ms / f64::from(frames),
         )
     }
 }
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pass_whose_timestamps_are_no_time_is_missing_from_no_sum() {
+    fn a_pass_with_invalid_timestamps_is_missing_from_no_sum() {
         let time = |ms| PassTime {
             ms,
             refused: ms.is_none(),

@@ -132,10 +132,17 @@ impl Prepared {
     }
 
     /// Renders `frames` pictures one after the other without waiting between them, map and march of each in one submission,
-    /// as an engine does; the times of each. `aloft` is called while they are under way. Run once before: how long a pass
+    /// as an engine does; the times of each. `meanwhile` is called while they are under way. Run once before: how long a pass
     /// takes, and so whether it must be cut into tiles, is not known earlier.
-    pub fn repeat(&self, gpu: &Gpu, frames: u32, aloft: impl FnOnce()) -> Result<Vec<PassTimes>> {
-        fly(gpu, frames, aloft, |flight| Ok(self.record_into(flight, 0)))
+    pub fn repeat(
+        &self,
+        gpu: &Gpu,
+        frames: u32,
+        meanwhile: impl FnOnce(),
+    ) -> Result<Vec<PassTimes>> {
+        fly(gpu, frames, meanwhile, |flight| {
+            Ok(self.record_into(flight, 0))
+        })
     }
 
     /// Records one picture into one of the places given to [`Prepared::new`].
@@ -179,7 +186,7 @@ impl Prepared {
 pub(super) fn fly(
     gpu: &Gpu,
     frames: u32,
-    aloft: impl FnOnce(),
+    meanwhile: impl FnOnce(),
     mut record: impl FnMut(&mut Flight) -> Result<FrameSpans>,
 ) -> Result<Vec<PassTimes>> {
     let mut flight = Flight::new(gpu);
@@ -188,8 +195,8 @@ pub(super) fn fly(
         spans.push(record(&mut flight)?);
         flight.submit();
     }
-    let landed = flight.land(aloft)?;
-    Ok(spans.iter().map(|s| s.times(&landed, frames)).collect())
+    let finished = flight.finish(meanwhile)?;
+    Ok(spans.iter().map(|s| s.times(&finished, frames)).collect())
 }
 
 /// llvmpipe ends the loops of an invocation after 65 535 turns in all of them together (LP_MAX_TGSI_LOOP_ITERATIONS,

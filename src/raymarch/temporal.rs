@@ -223,19 +223,24 @@ impl Temporal {
         let mut times = self.march.run_into(gpu, frame, progress)?;
         let mut flight = Flight::new(gpu);
         let span = self.record_reconstruct(&mut flight, &groups);
-        let landed = flight.land(|| ())?;
-        let pass = landed.pass(&[span]);
+        let finished = flight.finish(|| ())?;
+        let pass = finished.pass(&[span]);
         times.reconstruct = pass.ms;
         times.refused |= pass.refused;
-        times.wall += landed.wall_ms;
+        times.wall += finished.wall_ms;
         self.history.advance(&self.camera);
         Ok(times)
     }
 
     /// The next `frames` frames of the sequence without waiting between them, each in one submission; the times of each.
     /// See [`Prepared::repeat`].
-    pub fn repeat(&self, gpu: &Gpu, frames: u32, aloft: impl FnOnce()) -> Result<Vec<PassTimes>> {
-        fly(gpu, frames, aloft, |flight| {
+    pub fn repeat(
+        &self,
+        gpu: &Gpu,
+        frames: u32,
+        meanwhile: impl FnOnce(),
+    ) -> Result<Vec<PassTimes>> {
+        fly(gpu, frames, meanwhile, |flight| {
             let frame = self.history.frame.get();
             let groups = self.reconstruct_groups(gpu, frame)?;
             let mut spans = self.march.record_into(flight, frame);

@@ -48,7 +48,20 @@ pub(super) struct Tiles {
     tiling: Tiling,
     /// Threads of a tile that takes about the aimed time, as far as is known.
     threads: Cell<f64>,
+    /// How long the last run took.
+    taken: Cell<Option<Taken>>,
     uniform: wgpu::Buffer,
+    /// What the uniform holds once everything that was recorded is submitted.
+    written: Cell<[u32; 6]>,
+}
+
+/// How long a pass took in tiles, seen from the CPU.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Taken {
+    /// All tiles, ms.
+    all_ms: f64,
+    /// The tile that was the slowest for its size, ms a thread.
+    worst_ms: f64,
 }
 
 /// What one dispatch covers.
@@ -77,7 +90,9 @@ impl Tiles {
         Self {
             tiling,
             threads: Cell::new(threads),
+            taken: Cell::new(None),
             uniform,
+            written: Cell::default(),
         }
     }
 
@@ -87,16 +102,18 @@ impl Tiles {
         let [width, height] = pass.size;
         let least = f64::from(width) * f64::from(height) / f64::from(self.tiling.most);
         let mut total = Vec::new();
+        let mut taken = Taken::default();
         let mut at = Some([0, 0]);
         while let Some([x, y]) = at {
             let threads = self.threads.get().max(least);
             let tile = cut(pass.size, pass.kernel.workgroup, [x, y], threads);
             let mut flight = Flight::new(gpu);
             let spans = self.record_tile(&mut flight, pass, tile);
-            let landed = flight.land(|| ())?;
-            total.push(landed.pass(&spans));
+            let finished = flight.finish(|| ())?;
+            total.push(finished.pass(&spans));
+            taken.add(tile, finished.wall_ms);
             self.threads
-                .set(next_aim(self.tiling, threads, tile, landed.wall_ms));
+                .set(next_aim(self.tiling, threads, tile, finished.wall_ms));
             at = next(pass.size, tile);
             let done = at.map_or(f64::from(height), |[x, y]| {
                 f64::from(y) + f64::from(x) / f64::from(width) * f64::from(tile.size[1])
@@ -105,15 +122,17 @@ impl Tiles {
                 return Err(Error::Stopped);
             }
         }
+        self.taken.set(Some(taken));
         Ok(PassTime::sum(&total))
     }
 
-    /// Records a pass without waiting, in one dispatch unless that would exceed the driver's patience, which a software
-    /// adapter does not lose. How long it takes is known from [`Tiles::run`].
+    /// Records a pass without waiting, in one dispatch unless that would take longer than the driver waits for one; a
+    /// software adapter waits for ever. How long it takes is known from [`Tiles::run`].
     pub fn record(&self, flight: &mut Flight, pass: &Pass) -> Vec<Span> {
-        let threads = match flight.is_software() {
-            true => f64::INFINITY,
-            false => self.threads.get(),
+        let threads = match self.taken.get() {
+            _ if flight.is_software() => f64::INFINITY,
+            Some(taken) => taken.most_threads(self.tiling),
+            None => self.threads.get(),
         };
         let mut spans = Vec::new();
         let mut at = Some([0, 0]);
@@ -133,12 +152,29 @@ impl Tiles {
         while step < all_steps {
             let end = step.saturating_add(steps);
             let values = [x, y, width, height, step, end];
-            let uniform = (&self.uniform, bytemuck::bytes_of(&values));
+            let changed = self.written.replace(values) != values;
+            let uniform = changed.then(|| (&self.uniform, bytemuck::bytes_of(&values)));
             let threads = [width, height, 1];
-            spans.push(flight.dispatch(pass.kernel, pass.groups, threads, Some(uniform)));
+            spans.push(flight.dispatch(pass.kernel, pass.groups, threads, uniform));
             step = end;
         }
         spans
+    }
+}
+
+impl Taken {
+    fn add(&mut self, tile: Tile, ms: f64) {
+        let threads = f64::from(tile.size[0]) * f64::from(tile.size[1]);
+        self.all_ms += ms;
+        self.worst_ms = self.worst_ms.max(ms / threads);
+    }
+
+    /// Threads of a tile that takes no longer than aimed at, wherever it lies in the picture: its rows differ in cost.
+    fn most_threads(self, tiling: Tiling) -> f64 {
+        match self.all_ms <= tiling.target_ms {
+            true => f64::INFINITY,
+            false => tiling.target_ms / self.worst_ms.max(1e-9),
+        }
     }
 }
 
@@ -240,6 +276,22 @@ mod tests {
             tiles_of_run.push(tiles);
         }
         assert_eq!(tiles_of_run[1..], [1, 1], "{tiles_of_run:?}");
+    }
+
+    #[test]
+    fn tiles_that_nobody_waits_for_are_cut_for_the_dearest_rows() {
+        let rows = |rows: u32| Tile {
+            origin: [0, 0],
+            size: [1000, rows],
+        };
+        let mut taken = Taken::default();
+        taken.add(rows(20), 400.0);
+        taken.add(rows(160), 40.0);
+        let threads = taken.most_threads(Tiling::BATCH);
+        assert!((threads - 20_000.0).abs() < 1e-6, "{threads}");
+        let mut short = Taken::default();
+        short.add(rows(20), 4.0);
+        assert_eq!(short.most_threads(Tiling::BATCH), f64::INFINITY);
     }
 
     #[test]

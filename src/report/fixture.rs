@@ -142,6 +142,7 @@ fn clock() -> Vec<ClockRecord> {
         settled: view + 1 < views,
         warm_up_s: 0.62,
         settled_ms: 4.0,
+        probe_rows: 1,
         rounds_ms: vec![4.0, 4.02, 3.99, 4.0 + 0.1 * view as f64],
         clocks: (view == 0).then(|| Clocks {
             readings: 36,

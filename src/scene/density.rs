@@ -99,12 +99,7 @@ impl Density {
                     "0, 1 or 2",
                     |a| a <= 2.0,
                 )?;
-                let bytes = v.path.as_os_str().len();
-                if bytes > MAX_PATH_BYTES {
-                    let message =
-                        format!("the path has {bytes} bytes, at most {MAX_PATH_BYTES} are opened");
-                    return Err(Problem::new("/density/volume/path", message));
-                }
+                v.check_path()?;
                 match container {
                     Container::Box { .. } => Ok(()),
                     Container::Shell { .. } => Err(Problem::new(
@@ -113,6 +108,26 @@ impl Density {
                     )),
                 }
             }
+        }
+    }
+}
+
+impl Volume {
+    /// Refuses a path that no file system takes or that no record can hold: JSON is UTF-8.
+    pub(crate) fn check_path(&self) -> Result<(), Problem> {
+        let refuse = |message: String| Err(Problem::new("/density/volume/path", message));
+        let bytes = self.path.as_os_str().len();
+        if bytes > MAX_PATH_BYTES {
+            return refuse(format!(
+                "the path has {bytes} bytes, at most {MAX_PATH_BYTES} are opened"
+            ));
+        }
+        match self.path.to_str() {
+            Some(_) => Ok(()),
+            None => refuse(format!(
+                "`{}` is not UTF-8, as JSON and so every record is; the file or one of its folders needs another name",
+                self.path.display()
+            )),
         }
     }
 }

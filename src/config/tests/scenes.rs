@@ -134,3 +134,28 @@ fn bad_files_are_refused() {
         Err(crate::Error::Io { .. })
     ));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_volume_in_a_folder_whose_name_is_not_utf_8_is_refused_as_input() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let name = std::ffi::OsStr::from_bytes(b"clouds-\xff");
+    let folder = tempfile::tempdir().unwrap().keep().join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("s.json");
+    let scene = serde_json::json!({
+        "name": "cube",
+        "container": {"box": {"min_m": [0, 0, 0], "max_m": [1000, 1000, 1000]}},
+        "density": {"volume": {"path": "a.npy", "up_axis": 1}},
+        "medium": {"extinction_per_m": 0.005},
+        "sun": {"elevation_deg": 60, "azimuth_deg": 30, "irradiance": [1, 1, 1]},
+        "camera": {"position_m": [500, 500, -2500], "target_m": [500, 500, 500], "fov_y_deg": 30}
+    });
+    std::fs::write(&file, scene.to_string()).unwrap();
+    let error = crate::config::load_scene(&file).unwrap_err().to_string();
+    std::fs::remove_dir_all(folder.parent().unwrap()).unwrap();
+    assert!(
+        error.contains("is not UTF-8") && error.contains("/density/volume/path"),
+        "{error}"
+    );
+}

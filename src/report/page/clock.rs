@@ -1,6 +1,6 @@
 //! How steady the adapter was while it was measured: without that, a time is a number of unknown worth.
 
-use super::super::format::{number, signed_percent};
+use super::super::format::{number, percent, signed_percent};
 use super::super::view::{View, distinct};
 use super::parts::{self, cell, heading};
 use crate::batch::clock::ClockRecord;
@@ -14,7 +14,7 @@ const DEVICE_COLUMNS: [(&str, &str); 4] = [
     ("SM clock", "MHz"),
     ("Memory clock", "MHz"),
     ("Power", "W"),
-    ("Throttled by", ""),
+    ("Limited by", ""),
 ];
 
 /// Drift of the clock probe over all blocks in one sentence, for the captions of tables of times; empty where nothing was
@@ -23,7 +23,7 @@ pub fn sentence(view: &View<'_>) -> Markup {
     let unsettled = view.report.clock.iter().filter(|r| !r.settled).count();
     html! {
         @if let Some([least, most]) = view.report.clock_drift() {
-            " While times were taken, the " a href="#clock" { "clock probe" } " changed by "
+            " Between the rounds, the " a href="#clock" { "clock probe" } " changed by "
             (signed_percent(least)) " to " (signed_percent(most))
             @if unsettled > 0 { "; it had not settled before " (parts::plural(unsettled, "block")) }
             "."
@@ -33,7 +33,8 @@ pub fn sentence(view: &View<'_>) -> Markup {
 
 /// The section; nothing where nothing was watched.
 pub fn section(view: &View<'_>) -> Markup {
-    let records = &view.report.clock;
+    let cells = |record: &&ClockRecord| !measured(view, record).is_empty();
+    let records: Vec<&ClockRecord> = view.report.clock.iter().filter(cells).collect();
     if records.is_empty() {
         return html! {};
     }
@@ -49,19 +50,21 @@ pub fn section(view: &View<'_>) -> Markup {
         ("Probe", "ms"),
         ("Drift", "%"),
         ("First to last third", "%"),
-        ("Thirds overlap", "cells"),
+        ("Thirds agree", "cells"),
+        ("Busy, least", "%"),
     ];
     let columns = columns
         .into_iter()
         .chain(DEVICE_COLUMNS.into_iter().filter(|_| device));
-    let texts = ["Scene", "Settled", "Thirds overlap", "Throttled by"];
+    let texts = ["Scene", "Settled", "Thirds agree", "Limited by"];
     let head =
         html! { @for (name, unit) in columns { (heading(name, unit, !texts.contains(&name))) } };
-    let body = html! { @for record in records { (row(view, record, device)) } };
+    let body = html! { @for record in &records { (row(view, record, device)) } };
     let caption = "One row a block: cells that were timed in the same rounds. The probe is a fixed piece of arithmetic; its drift \
         is the change of its time before, between and after the rounds against the time at which it had settled. First to last \
-        third: median change of the cells' times from the first third of the rounds to the last; thirds overlap where the \
-        ranges of both have a time in common.";
+        third: median change of the cells' times from the first third of the rounds to the last; they agree where that is no more \
+        than twice the median deviation within a third (9 rounds and more). Busy: share of the wall time of a cell's frames in which \
+        its passes ran; where it is small the queue ran empty, and the clock may have fallen.";
     html! {
         section #clock {
             h2 { "Clock" }
@@ -71,10 +74,7 @@ pub fn section(view: &View<'_>) -> Markup {
 }
 
 fn row(view: &View<'_>, record: &ClockRecord, device: bool) -> Markup {
-    let measured: Vec<&Measured> = (view.report.cells.iter())
-        .filter_map(|cell| cell.result.as_ref())
-        .filter(|m| m.reference == record.reference && m.block == record.block)
-        .collect();
+    let measured = measured(view, record);
     let reference: Option<&Reference> =
         (view.report.references.iter()).find(|r| r.id == record.reference);
     let frames = distinct(measured.iter().map(|m| m.frames_in_flight));
@@ -83,7 +83,8 @@ fn row(view: &View<'_>, record: &ClockRecord, device: bool) -> Markup {
     let drift = record.drift();
     let thirds: Vec<Thirds> = measured.iter().filter_map(|m| rounds_thirds(m)).collect();
     let changes: Vec<f64> = thirds.iter().map(|t| t.change).collect();
-    let overlapping = thirds.iter().filter(|t| t.overlap).count();
+    let agreeing = thirds.iter().filter(|t| t.agree).count();
+    let busy = measured.iter().filter_map(|m| busy(m)).reduce(f64::min);
     html! {
         tr {
             td { (reference.map_or("?", |r| r.scene.as_str())) }
@@ -96,7 +97,8 @@ fn row(view: &View<'_>, record: &ClockRecord, device: bool) -> Markup {
             (cell(Some(record.settled_ms), number))
             (cell(drift.map(|[least, most]| most.max(-least)), |_| drift_text(drift)))
             (cell(summarise(&changes).map(|stats| stats.median), signed_percent))
-            td { @if thirds.is_empty() { "n/a" } @else { (overlapping) " of " (thirds.len()) } }
+            td { @if thirds.is_empty() { "n/a" } @else { (agreeing) " of " (thirds.len()) } }
+            (cell(busy, percent))
             @if device { (device_cells(record.clocks.as_ref())) }
         }
     }
@@ -126,6 +128,20 @@ fn device_cells(clocks: Option<&Clocks>) -> Markup {
         }
         td { @match reasons.as_deref() { None => "n/a", Some("") => "nothing", Some(names) => (names) } }
     }
+}
+
+/// Numbers of the cells of a block.
+fn measured<'a>(view: &View<'a>, record: &ClockRecord) -> Vec<&'a Measured> {
+    let numbers = view.report.cells.iter().filter_map(|c| c.result.as_ref());
+    numbers
+        .filter(|m| m.reference == record.reference && m.block == record.block)
+        .collect()
+}
+
+/// Share of the wall time in which passes ran.
+fn busy(measured: &Measured) -> Option<f64> {
+    let times = &measured.time_ms;
+    Some(times.total?.median / times.wall?.median)
 }
 
 /// Of the rounds' times; `None` where they are too few or some round has none.

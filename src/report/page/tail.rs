@@ -278,11 +278,11 @@ const DEFINITIONS: [(&str, &str); 23] = [
     ),
     (
         "total, map pass, march",
-        "median device time of one picture and of its passes over the rounds, in ms; a round's time is the median of frames that were in the queue together; n/a without timestamps, and where these are no times",
+        "median device time of one picture and of its passes over the rounds, in ms; a round's time is the median of frames that were handed over together; n/a without timestamps, and where these are invalid",
     ),
     (
         "min, p95, CV, n",
-        "of the total time: smallest, 95th percentile (ms), standard deviation over mean (%), repeats",
+        "of the rounds' total times: smallest, 95th percentile (ms), standard deviation over mean (%), rounds; single frames scatter more",
     ),
     (
         "wall",
