@@ -248,13 +248,14 @@ impl<'a> Bench<'a> {
             .rounds(task.experiment.discard, task.experiment.runs);
         let rounds = discard + timed;
         let mut watch = Watch::new(task.backend)?;
+        let aim_ms = watch.in_flight_ms();
         for round in 0..rounds {
             if round == discard {
                 stage(observe, self.matrix, "until the clock settles", 0.0)?;
                 watch.settle(&task.identity.view(self.matrix), block)?;
                 // The probe is arithmetic alone; the cells themselves bring the memory up to its clock.
                 for run in runs.iter_mut().filter(|_| watch.has_clock()) {
-                    let made = rounds::fly(&run.prepared, &mut run.frame_ms, &mut || ())?;
+                    let made = rounds::fly(&run.prepared, aim_ms, &mut run.frame_ms, &mut || ())?;
                     self.passes_s += made.seconds;
                 }
             }
@@ -266,7 +267,7 @@ impl<'a> Bench<'a> {
                 stage(observe, self.matrix, &what, share)?;
                 let made = match round {
                     0 => run.first()?,
-                    _ => rounds::fly(&run.prepared, &mut run.frame_ms, &mut || {
+                    _ => rounds::fly(&run.prepared, aim_ms, &mut run.frame_ms, &mut || {
                         if round >= discard {
                             watch.read();
                         }

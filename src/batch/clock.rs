@@ -1,8 +1,9 @@
 //! How steady the adapter was while a block of cells was timed: a record beside the cells' own.
 
+use super::rounds::SOFTWARE_IN_FLIGHT_MS;
 use crate::backend::Backend;
 use crate::error::Result;
-use crate::gpu::{ClockReading, ClockWatch, Clocks, Gpu};
+use crate::gpu::{ClockReading, ClockWatch, Clocks, Gpu, IN_FLIGHT_MS};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +66,14 @@ impl<'a> Watch<'a> {
     /// Has the device a clock that falls when it rests? The processor, which serves a software adapter, is never at rest here.
     pub fn has_clock(&self) -> bool {
         self.device.is_some_and(|(gpu, _)| !gpu.is_software())
+    }
+
+    /// Work that a cell hands over in a round, ms.
+    pub fn in_flight_ms(&self) -> f64 {
+        match self.has_clock() {
+            true => IN_FLIGHT_MS,
+            false => SOFTWARE_IN_FLIGHT_MS,
+        }
     }
 
     /// Keeps the device busy until its clock has settled.
