@@ -1,9 +1,8 @@
 //! How steady the adapter was while a block of cells was timed: a record beside the cells' own.
 
-use super::rounds::SOFTWARE_IN_FLIGHT_MS;
 use crate::backend::Backend;
 use crate::error::Result;
-use crate::gpu::{ClockReading, ClockWatch, Clocks, Gpu, IN_FLIGHT_MS};
+use crate::gpu::{ClockReading, ClockWatch, Clocks, Gpu, in_flight_ms};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -68,12 +67,9 @@ impl<'a> Watch<'a> {
         self.device.is_some_and(|(gpu, _)| !gpu.is_software())
     }
 
-    /// Work that a cell hands over in a round, ms.
+    /// Work that a cell hands over in a round, ms; nothing on the oracle, which renders one picture at a time.
     pub fn in_flight_ms(&self) -> f64 {
-        match self.has_clock() {
-            true => IN_FLIGHT_MS,
-            false => SOFTWARE_IN_FLIGHT_MS,
-        }
+        self.device.map_or(0.0, |(gpu, _)| in_flight_ms(gpu))
     }
 
     /// Keeps the device busy until its clock has settled.

@@ -1,16 +1,15 @@
 //! Rounds of a block: every cell in turn, many frames in flight, one wait a cell and round.
 //!
 //! A device that waits between frames lowers its clock, and a frame of a millisecond then measures the clock. So before the
-//! first timed round a probe runs until its time no longer changes, and in a round each cell hands over [`IN_FLIGHT_MS`](crate::gpu::IN_FLIGHT_MS) of
-//! frames before anybody waits; on a software adapter, whose processor never rests here, [`SOFTWARE_IN_FLIGHT_MS`]. The round's time of a pass, and of the whole, is the median over these frames.
+//! first timed round a probe runs until its time no longer changes, and in a round each cell hands over
+//! [`in_flight_ms`](crate::gpu::in_flight_ms) of frames before anybody waits. The round's time of a pass, and of the whole,
+//! is the median over these frames.
 
 use crate::backend::Prepared;
 use crate::error::Result;
 use crate::metrics::summarise;
 use crate::raymarch::PassTimes;
 
-/// Work of a flight on a software adapter, ms: enough that short frames are not timed one by one.
-pub(super) const SOFTWARE_IN_FLIGHT_MS: f64 = 50.0;
 /// Most frames in flight: each holds a submission, and shorter frames than 0.1 ms are bound by submitting them.
 const MOST_FRAMES: u32 = 2000;
 /// Share of the aimed work that a flight may fall short of before it is flown again with more frames.
@@ -114,8 +113,9 @@ pub(super) fn note(rounds: &[Round]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::IN_FLIGHT_MS;
     use std::cell::RefCell;
+
+    const AIM_MS: f64 = 200.0;
 
     /// A cell whose frames take a known time; `bad` of them, counted over all flights, have no timestamps.
     struct Known {
@@ -157,9 +157,9 @@ mod tests {
         for (frame_ms, thought_ms) in [(1.0, 8.0), (0.3, 50.0), (40.0, 1.0), (900.0, 900.0)] {
             let cell = Known::new(frame_ms, |_| false);
             let mut known_ms = thought_ms;
-            let round = fly(&cell, IN_FLIGHT_MS, &mut known_ms, &mut || ()).expect("round");
+            let round = fly(&cell, AIM_MS, &mut known_ms, &mut || ()).expect("round");
             let work_ms = f64::from(round.frames) * frame_ms;
-            assert!(work_ms >= 0.75 * IN_FLIGHT_MS, "{frame_ms}: {work_ms}");
+            assert!(work_ms >= 0.75 * AIM_MS, "{frame_ms}: {work_ms}");
             assert!((known_ms / frame_ms - 1.0).abs() < 1e-9);
             assert!((round.total_ms.expect("time") / frame_ms - 1.0).abs() < 1e-9);
             let flown: u32 = cell.flights.borrow().iter().sum();
@@ -170,21 +170,21 @@ mod tests {
     #[test]
     fn a_frame_as_long_as_the_aim_flies_once_and_alone() {
         let cell = Known::new(300.0, |_| false);
-        fly(&cell, IN_FLIGHT_MS, &mut 300.0, &mut || ()).expect("round");
+        fly(&cell, AIM_MS, &mut 300.0, &mut || ()).expect("round");
         assert_eq!(*cell.flights.borrow(), [1]);
     }
 
     #[test]
     fn frames_without_a_time_count_in_none_and_are_noted() {
         let some = Known::new(10.0, |i| i % 4 == 0);
-        let round = fly(&some, IN_FLIGHT_MS, &mut 10.0, &mut || ()).expect("round");
+        let round = fly(&some, AIM_MS, &mut 10.0, &mut || ()).expect("round");
         assert_eq!((round.frames, round.refused), (20, 5));
         assert_eq!((round.total_ms, round.times.refused), (Some(10.0), false));
         let text = note(&[round]).expect("note");
         assert!(text.contains("5 of 20 frames"), "{text}");
 
         let all = Known::new(10.0, |_| true);
-        let round = fly(&all, IN_FLIGHT_MS, &mut 10.0, &mut || ()).expect("round");
+        let round = fly(&all, AIM_MS, &mut 10.0, &mut || ()).expect("round");
         assert_eq!(round.total_ms, None);
         assert_eq!((round.times.march, round.times.generate), (None, None));
         assert_eq!(note(&[Round::default()]), None);

@@ -13,8 +13,10 @@ const ROW_THREADS: u32 = 1 << 17;
 const MOST_ROWS: u32 = 1 << 15;
 /// Least duration of a probe, ms: long beside what a dispatch costs to start, short beside a round.
 const PROBE_MS: f64 = 2.0;
-/// Work in flight while the clock settles, ms: a device that sees less in its queue may take a rest.
-pub const IN_FLIGHT_MS: f64 = 200.0;
+/// Work in flight, ms: a device that sees less in its queue may take a rest.
+const IN_FLIGHT_MS: f64 = 200.0;
+/// The same on a software adapter, whose processor never rests here: enough that short frames are not timed one by one.
+const SOFTWARE_IN_FLIGHT_MS: f64 = 50.0;
 /// Probes in flight for one reading between rounds.
 const READING_PROBES: u32 = 8;
 /// Medians of as many flights that must agree.
@@ -76,7 +78,7 @@ impl ClockProbe {
         }
         loop {
             let rough_ms = median(&probe.fly(gpu, READING_PROBES)?);
-            let probe_ms = median(&probe.fly(gpu, full_flight(rough_ms))?);
+            let probe_ms = median(&probe.fly(gpu, full_flight(gpu, rough_ms))?);
             if probe_ms >= PROBE_MS || probe.rows >= MOST_ROWS {
                 break;
             }
@@ -109,7 +111,7 @@ impl ClockProbe {
         let mut flights = Vec::new();
         let mut probe_ms = PROBE_MS;
         loop {
-            let times = self.fly(gpu, full_flight(probe_ms))?;
+            let times = self.fly(gpu, full_flight(gpu, probe_ms))?;
             probe_ms = median(&times);
             flights.push(times);
             let seconds = start.elapsed().as_secs_f64();
@@ -131,9 +133,17 @@ impl ClockProbe {
     }
 }
 
-/// Probes that are [`IN_FLIGHT_MS`] of work.
-fn full_flight(probe_ms: f64) -> u32 {
-    (IN_FLIGHT_MS / probe_ms).ceil().clamp(1.0, 1000.0) as u32
+/// Work that is handed to a device before anybody waits, ms.
+pub fn in_flight_ms(gpu: &Gpu) -> f64 {
+    match gpu.is_software() {
+        true => SOFTWARE_IN_FLIGHT_MS,
+        false => IN_FLIGHT_MS,
+    }
+}
+
+/// Probes that are as much work as is kept in flight.
+fn full_flight(gpu: &Gpu, probe_ms: f64) -> u32 {
+    (in_flight_ms(gpu) / probe_ms).ceil().clamp(1.0, 1000.0) as u32
 }
 
 /// Do the medians of the last flights agree, as far as repeats within a flight do?

@@ -13,7 +13,7 @@ mod shader;
 mod timing;
 mod uniform;
 
-pub use clock_probe::{IN_FLIGHT_MS, WarmUp};
+pub use clock_probe::{WarmUp, in_flight_ms};
 pub use clock_watch::ClockWatch;
 pub use clocks::{ClockReading, Clocks, Extent};
 pub use context::{AdapterSummary, Gpu, list_adapters};

@@ -18,7 +18,7 @@ pub struct Tiling {
 }
 
 impl Tiling {
-    /// Nothing else waits for the queue: only the driver's patience counts.
+    /// Nothing else waits for the queue: a dispatch only has to end before the driver resets the device.
     pub const BATCH: Self = Self {
         target_ms: 400.0,
         most: u32::MAX,
