@@ -47,7 +47,7 @@ pub enum Error {
         remedy: String,
     },
     /// A shader does not compose or validate, or does not fit what is bound to it; carries the original file and line.
-    /// Of the program's own shaders the message says that this is a defect.
+    /// For the program's own shaders the message says that this is a defect.
     #[error("shader {file}: {message}")]
     Shader {
         /// WGSL file the user can open.

@@ -33,7 +33,7 @@ pub struct Probe {
 /// T(d) of a method, as the oracle's pictures have it: by its map where it has one, stored values rounded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Its id.
+    /// Id of the method.
     pub method: &'static str,
     /// T at each depth.
     pub transmittance: Vec<f64>,

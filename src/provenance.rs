@@ -325,6 +325,6 @@ mod tests {
         let named = hash.len() == 12 && hash.chars().all(|c| c.is_ascii_hexdigit());
         assert!(named || label == "unknown", "{label}");
         assert_eq!(version, format!("{} ({label})", env!("CARGO_PKG_VERSION")));
-        assert_eq!(crate::gpu::program(), format!("occlab {version}"));
+        assert_eq!(crate::environment::program(), format!("occlab {version}"));
     }
 }

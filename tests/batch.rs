@@ -7,8 +7,8 @@ mod common;
 mod program;
 
 use occlab::frame::read_frame;
-use occlab::raymarch::reference::{Counting, Truth, truth};
-use occlab::raymarch::{TruthCache, unwatched};
+use occlab::progress::unwatched;
+use occlab::truth::{Counting, Truth, TruthCache, on_device};
 use program::{batch, cells, modified, refused, report, stderr, workplace};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ fn cached_truth(cache: &Path, counting: Counting) -> Truth {
     common::on_gpu(move |renderer| {
         let scene = common::box_scene([0.0; 3], [1000.0; 3], 0.003);
         let view = renderer.view(&scene, common::size(24, 16)).unwrap();
-        truth(renderer, &view, Some(&cache), counting, &mut unwatched).unwrap()
+        on_device(renderer, &view, Some(&cache), counting, &mut unwatched).unwrap()
     })
 }
 

@@ -10,7 +10,7 @@ use common::{
 use occlab::occlusion::rounding::Rounding;
 use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::oracle::{Options, Oracle};
-use occlab::raymarch::unwatched;
+use occlab::progress::unwatched;
 use occlab::scene::{ImageSize, Scene};
 
 const IMAGE: ImageSize = ImageSize {

@@ -53,7 +53,7 @@ fn check_skipping(scene: Scene) {
                 let error = relative_rmse(reds(&on.0, &off.0));
                 assert!(error <= 1e-6, "{}: {id}: {error:.1e}", scene.name);
             }
-            let samples = |s: occlab::raymarch::Samples| [s.view, s.light, s.map];
+            let samples = |s: occlab::cost::Samples| [s.view, s.light, s.map];
             let (on, off) = (samples(on.1), samples(off.1));
             println!(
                 "{} {id}: view, light, map samples {on:?} skipping, {off:?} not; {empty:.2} empty",

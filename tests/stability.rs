@@ -7,7 +7,7 @@ use common::{box_scene, on_gpu, setup, size};
 use occlab::config::{Stability, load_stability, parse_stability};
 use occlab::occlusion::Registry;
 use occlab::oracle::{Options, Oracle};
-use occlab::raymarch::unwatched;
+use occlab::progress::unwatched;
 use occlab::scene::Density;
 use occlab::stability::{Event, Profile, Sweep, Verdict, run, thresholds};
 use serde_json::{Value, json};

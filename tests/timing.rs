@@ -4,7 +4,8 @@
 #[macro_use]
 mod common;
 
-use occlab::raymarch::{PassTimes, unwatched};
+use occlab::cost::PassTimes;
+use occlab::progress::unwatched;
 
 #[test]
 fn passes_account_for_the_wall_time_of_every_prepared_method() {

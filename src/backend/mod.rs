@@ -11,15 +11,18 @@ mod temporal;
 pub use prepared::Prepared;
 pub use temporal::{History, history_bytes};
 
+use crate::cost::PassTimes;
+use crate::environment::{Environment, host, program};
 use crate::error::Result;
 use crate::frame::Frame;
-use crate::gpu::{ClockWatch, Environment, Gpu, Sources, host, list_adapters, program};
+use crate::gpu::{ClockWatch, Gpu, Sources, list_adapters};
 use crate::occlusion::MethodSetup;
-use crate::oracle::{self, Oracle};
+use crate::oracle::Oracle;
+use crate::progress::Progress;
 use crate::provenance;
-use crate::raymarch::reference::{self, Counting, Truth};
-use crate::raymarch::{self, PassTimes, Progress, Renderer, TruthCache};
+use crate::raymarch::{self, Renderer};
 use crate::scene::{ImageSize, Scene};
+use crate::truth::{self, Counting, Truth, TruthCache};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -82,7 +85,7 @@ impl Backend {
     /// For records.
     pub fn environment(&self) -> Environment {
         match self {
-            Self::Device(renderer) => renderer.gpu.environment(),
+            Self::Device(renderer) => Environment::of_device(&renderer.gpu),
             Self::Oracle(_) => Environment {
                 adapter: "oracle (f64, CPU)".to_owned(),
                 driver: format!("{} threads, one run a cell", rayon::current_num_threads()),
@@ -182,9 +185,9 @@ impl Backend {
     ) -> Result<Truth> {
         match (self, &view.kind) {
             (Self::Device(renderer), ViewKind::Device(view)) => {
-                reference::truth(renderer, view, cache, counting, progress)
+                truth::on_device(renderer, view, cache, counting, progress)
             }
-            (_, ViewKind::Oracle(oracle)) => oracle::truth(oracle, cache, progress),
+            (_, ViewKind::Oracle(oracle)) => truth::by_oracle(oracle, cache, progress),
             (Self::Oracle(_), ViewKind::Device(_)) => Err(prepared::stranger()),
         }
     }

@@ -2,13 +2,13 @@
 
 use super::temporal::Temporal;
 use super::{Backend, View, ViewKind};
+use crate::cost::{Counts, Memory, PassTimes};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::occlusion::MethodSetup;
 use crate::oracle::{Options, Oracle};
-use crate::raymarch::{
-    self, Counts, MapTexels, Memory, PassTimes, Progress, Renderer, planned_memory, unwatched,
-};
+use crate::progress::{Progress, unwatched};
+use crate::raymarch::{self, MapTexels, Renderer, planned_memory};
 use std::cell::RefCell;
 use std::time::Instant;
 

@@ -2,11 +2,13 @@
 
 use super::prepared::{Prepared, stranger, unrendered};
 use super::{Backend, View, ViewKind};
+use crate::cost::{Counts, PassTimes};
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::occlusion::MethodSetup;
 use crate::oracle::{self, Options, Oracle};
-use crate::raymarch::{self, Counts, PassTimes, Progress, Renderer, planned_memory, unwatched};
+use crate::progress::{Progress, unwatched};
+use crate::raymarch::{self, Renderer, planned_memory};
 use crate::scene::{ImageSize, Reconstruct};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;

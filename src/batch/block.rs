@@ -19,9 +19,9 @@ use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::metrics::{ErrorNumbers, compare};
 use crate::occlusion::{MAP_PARAMS, MethodSetup};
-use crate::raymarch::reference::{Counting, Truth};
-use crate::raymarch::unwatched;
+use crate::progress::unwatched;
 use crate::scene::ImageSize;
+use crate::truth::{Counting, Truth};
 use serde_json::json;
 use std::collections::HashMap;
 

@@ -89,7 +89,7 @@ pub(super) fn record_failure(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raymarch::PassTimes;
+    use crate::cost::PassTimes;
 
     fn round(generate: Option<f64>) -> Round {
         Round {

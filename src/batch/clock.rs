@@ -1,4 +1,4 @@
-//! How steady the adapter was while a block of cells was timed: a record beside the cells' own.
+//! Clock record of a block of cells: how steady the adapter was while they were timed.
 
 use crate::backend::Backend;
 use crate::error::Result;

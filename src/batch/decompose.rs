@@ -15,9 +15,10 @@ use crate::frame::Frame;
 use crate::metrics::{difference, relative_rmse};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::param::ParamValue;
-use crate::oracle::{Filter, Options, Oracle, truth};
-use crate::raymarch::{TruthCache, unwatched};
+use crate::oracle::{Filter, Options, Oracle};
+use crate::progress::unwatched;
 use crate::scene::{Density, ImageSize, Scene};
+use crate::truth::{TruthCache, by_oracle};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
@@ -59,7 +60,7 @@ impl Decomposer {
         let mut best: Option<(f64, Self)> = None;
         for &filter in filters {
             let oracle = Oracle::filtered(scene, image, filter)?;
-            let truth = truth(&oracle, cache, &mut unwatched)?.frame;
+            let truth = by_oracle(&oracle, cache, &mut unwatched)?.frame;
             let distance = relative_rmse(backend_truth, backend_truth, &truth)?;
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
                 let made = Self {

@@ -13,9 +13,9 @@ use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::metrics::{ErrorNumbers, Flicker};
 use crate::occlusion::MethodSetup;
-use crate::raymarch::reference::{Counting, Truth};
-use crate::raymarch::unwatched;
+use crate::progress::unwatched;
 use crate::scene::Track;
+use crate::truth::{Counting, Truth};
 
 /// A cell on the move: its number so far, or why it has none.
 struct Case {

@@ -244,7 +244,7 @@ enum Process {
     /// Started at this many clock ticks since boot.
     Running(u64),
     Ended,
-    /// This system does not show it.
+    /// This system does not show when a process started.
     Hidden,
 }
 

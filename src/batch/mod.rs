@@ -19,7 +19,7 @@ mod view_steps;
 use crate::backend::Backend;
 use crate::config::{Experiment, View as MatrixView};
 use crate::error::{Error, Result};
-use crate::raymarch::TruthCache;
+use crate::truth::TruthCache;
 pub use cell::planned_cell;
 use identity::Identity;
 use lock::Lock;

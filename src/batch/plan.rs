@@ -111,7 +111,7 @@ impl Plan {
         })
     }
 
-    /// Its cells.
+    /// Views and cells of the batch.
     pub fn matrix(&self) -> &Matrix {
         &self.matrix
     }
@@ -126,7 +126,7 @@ impl Plan {
         &self.experiment
     }
 
-    /// The experiment as somebody wrote it.
+    /// The experiment as its file has it.
     pub(super) fn recorded(&self) -> &Value {
         &self.recorded
     }

@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::frame::Frame;
 use crate::metrics::ghosting;
 use crate::occlusion::MethodSetup;
-use crate::raymarch::unwatched;
+use crate::progress::unwatched;
 use crate::scene::{CameraTrack, ImageSize, Reconstruct, Track};
 
 /// A temporal cell on the move.

@@ -1,10 +1,10 @@
-//! What a batch leaves behind: one [`Cell`] for each point of the matrix, one [`Report`] for each folder.
+//! Records of a batch: one [`Cell`] for each point of the matrix, one [`Report`] for each folder.
 
 use super::clock::ClockRecord;
+use crate::cost::{Memory, Samples};
+use crate::environment::Environment;
 use crate::error::{Error, Result};
-use crate::gpu::Environment;
 use crate::metrics::{ErrorNumbers, Stats};
-use crate::raymarch::{Memory, Samples};
 use crate::scene::{CameraTrack, ImageSize, Reconstruct, Track};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -63,9 +63,9 @@ pub struct SceneRecord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InputFile {
-    /// Its path as the scenes name it, with the array that they take from an archive: `clouds.npz:density`.
+    /// Path as the scenes name it, with the array that they take from an archive: `clouds.npz:density`.
     pub path: String,
-    /// Its length.
+    /// Length of the file.
     pub bytes: u64,
     /// BLAKE3 of its content, 64 hexadecimal digits.
     pub blake3: String,
@@ -235,7 +235,7 @@ pub struct Decomposition {
     /// The cell's picture minus the f64 one at the same settings: stored values, f32 arithmetic, and what is left of the
     /// device's filtering of noise.
     pub precision_rel_rmse: f64,
-    /// Of precision, what rounding of stored map values does alone: to nearest, all else in f64.
+    /// Part of the precision error: rounding of stored map values alone, to nearest, all else in f64.
     pub storage_rel_rmse: f64,
     /// The f64 truth minus the truth that the cell was compared with.
     pub truth_rel_rmse: f64,
@@ -253,9 +253,9 @@ pub struct Decomposition {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Reconstruction {
-    /// Of a camera at rest, after four frames.
+    /// Error of a camera at rest, after as many frames as march every pixel once.
     pub full_rel_rmse: f64,
-    /// Of a moving camera, along each movement that the experiment asks for.
+    /// Error of a moving camera, along each movement that the experiment asks for.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub ghosting: BTreeMap<CameraTrack, Ghosting>,
     /// Bytes of the pictures that it remembers.
@@ -269,7 +269,7 @@ pub struct Ghosting {
     /// Turn of the camera from one frame to the next, degrees; absent where it does not turn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_deg: Option<f64>,
-    /// Way of the camera from one frame to the next, metres; absent where it stays.
+    /// Distance the camera moves from one frame to the next, metres; absent where it stays.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_m: Option<f64>,
     /// Error of each frame; the first is the one at rest.

@@ -2,13 +2,13 @@
 //!
 //! A device that waits between frames lowers its clock, and a frame of a millisecond then measures the clock. So before the
 //! first timed round a probe runs until its time no longer changes, and in a round each cell hands over
-//! [`in_flight_ms`](crate::gpu::in_flight_ms) of frames before anybody waits. The round's time of a pass, and of the whole,
+//! [`in_flight_ms`](crate::gpu::in_flight_ms) of frames before waiting for any. The round's time of a pass, and of the whole,
 //! is the median over these frames.
 
 use crate::backend::Prepared;
+use crate::cost::PassTimes;
 use crate::error::Result;
 use crate::metrics::summarise;
-use crate::raymarch::PassTimes;
 
 /// Most frames in flight: each holds a submission, and shorter frames than 0.1 ms are bound by submitting them.
 const MOST_FRAMES: u32 = 2000;
@@ -38,7 +38,7 @@ pub(super) struct Round {
     pub total_ms: Option<f64>,
     /// Frames of the flight.
     pub frames: u32,
-    /// Of these, such as have invalid timestamps.
+    /// Frames among them with invalid timestamps.
     pub refused: u32,
     /// Seconds of all frames, those of flights that were too short included.
     pub seconds: f64,

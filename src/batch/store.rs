@@ -2,9 +2,9 @@
 
 use super::clock::ClockRecord;
 use super::record::{Cell, Reference, WallClock};
+use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
-use crate::gpu::Environment;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::metrics::{Incomparable, compare};
 use crate::occlusion::MethodSetup;
-use crate::raymarch::unwatched;
+use crate::progress::unwatched;
 
 /// `rel_rmse` of a scene's view steps against four times as many, and the seconds of the passes; see
 /// [`super::record::Reference::view_step_rel_rmse`].

@@ -7,7 +7,7 @@ use occlab::batch::{Event, Plan, measure, report_file, report_folder};
 use occlab::config::shipped::{Kind, find};
 use occlab::config::{describe, load_experiment};
 use occlab::error::Error;
-use occlab::raymarch::TruthCache;
+use occlab::truth::TruthCache;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -3,8 +3,8 @@
 use super::say;
 use indicatif::{BinaryBytes, HumanDuration};
 use occlab::Error;
-use occlab::raymarch::TruthCache;
-use occlab::raymarch::truth_cache::{FOLDER_VARIABLE, LIMIT_VARIABLE, Removed, Usage};
+use occlab::truth::TruthCache;
+use occlab::truth::cache::{FOLDER_VARIABLE, LIMIT_VARIABLE, Removed, Usage};
 use serde_json::json;
 use std::process::ExitCode;
 use std::time::{SystemTime, UNIX_EPOCH};

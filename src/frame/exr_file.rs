@@ -17,7 +17,7 @@ type Pixel = (f32, f32, f32, f32, f32, f32, f32, f32);
 ///
 /// One layer: `R`, `G`, `B` (linear radiance, sRGB primaries), `A` (opacity), `sun.R`, `sun.G`, `sun.B` (sun-lit
 /// radiance) and `sun.V` (light transmittance). Atomic: the file is whole or absent.
-/// Format: Kainz & Bogart, "Technical Introduction to OpenEXR", Industrial Light & Magic, 2013.
+/// Format: <https://openexr.com/en/latest/TechnicalIntroduction.html>.
 pub fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
     frame.check(&shown(path))?;
     let width = frame.width as usize;

@@ -66,7 +66,7 @@ pub fn is_nonfinite(value: f32) -> bool {
 
 /// Nearest-rank quantile: the ⌈q·n⌉-th smallest of `n` values, `q` in `(0, 1]`; `None` when there are none.
 ///
-/// It is always one of the values (Hyndman & Fan 1996, definition 1). Reorders `values`.
+/// The result is always one of the values (Hyndman & Fan 1996, definition 1). Reorders `values`.
 pub(crate) fn nearest_rank(values: &mut [f64], q: f64) -> Option<f64> {
     let last = values.len().checked_sub(1)?;
     let rank = (q * values.len() as f64).ceil() as usize;

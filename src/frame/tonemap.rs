@@ -11,7 +11,7 @@ const BRIGHT: f32 = 2.319_183_6;
 
 /// Factor from radiance to exposed value, dimensionless, > 0.
 ///
-/// It comes from the reference and is used unchanged for every picture compared with it, so that a picture which is
+/// The factor comes from the reference and is used unchanged for every picture compared with it, so that a picture which is
 /// too dark also looks too dark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exposure(pub f32);
@@ -36,9 +36,8 @@ impl Exposure {
 
 /// Tone-mapped 8-bit sRGB of the radiance, three bytes a pixel, rows from the top.
 ///
-/// Each channel x = exposure · radiance goes through `x(1 + x/W²)/(1 + x)` with W = 4, clamped to `[0, 1]` (Reinhard et
-/// al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002, eq. 4; here by channel, so that the peak is
-/// 1 for every hue), then through the sRGB transfer (IEC 61966-2-1:1999). Monotone. Negative light is black. A
+/// Each channel x = exposure · radiance goes through `x(1 + x/W²)/(1 + x)` with W = 4, clamped to `[0, 1]` (Reinhard
+/// et al. 2002, eq. 4; here by channel, so that the peak is 1 for every hue), then through the sRGB transfer (IEC 61966-2-1:1999). Monotone. Negative light is black. A
 /// pixel with a NaN or infinite channel is magenta: it is an error to be seen and counted.
 pub fn tone_map(frame: &Frame, exposure: Exposure) -> Vec<u8> {
     let map = |&[r, g, b, _]: &[f32; 4]| {

@@ -133,7 +133,7 @@ impl ClockProbe {
     }
 }
 
-/// Work that is handed to a device before anybody waits, ms.
+/// Work that is handed to a device before waiting for it, ms.
 pub fn in_flight_ms(gpu: &Gpu) -> f64 {
     match gpu.is_software() {
         true => SOFTWARE_IN_FLIGHT_MS,

@@ -1,6 +1,5 @@
 //! Adapter, device and queue, and the errors they report outside of calls.
 
-use super::environment::{Environment, host, program};
 use super::instance::{self, BACKENDS};
 use super::shader::Sources;
 use super::timing::Timer;
@@ -21,7 +20,7 @@ pub struct Gpu {
     pub adapter: wgpu::Adapter,
     /// The device.
     pub device: wgpu::Device,
-    /// Its only queue.
+    /// The only queue of the device.
     pub queue: wgpu::Queue,
     /// What the driver says of itself.
     pub info: wgpu::AdapterInfo,
@@ -225,18 +224,6 @@ impl Gpu {
     /// Queries for the times of passes; `None` where the adapter has no timestamps: times are then "n/a".
     pub(super) fn timer(&self) -> Option<&Timer> {
         self.timer.as_ref()
-    }
-
-    /// For records.
-    pub fn environment(&self) -> Environment {
-        Environment {
-            adapter: self.info.name.clone(),
-            driver: format!("{} {}", self.info.driver, self.info.driver_info),
-            backend: format!("{:?}", self.info.backend),
-            device_type: format!("{:?}", self.info.device_type),
-            commit: program(),
-            host: host(),
-        }
     }
 
     /// Bytes that wgpu's allocator has handed out, where the backend reports them.

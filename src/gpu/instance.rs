@@ -1,4 +1,4 @@
-//! The instance: the door to the drivers, with or without the extensions that a window needs.
+//! The wgpu instance, which finds drivers, with or without the extensions that a window needs.
 
 use wgpu::{Backends, Instance, InstanceDescriptor};
 

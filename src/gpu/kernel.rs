@@ -142,7 +142,7 @@ impl Kernel {
             .collect()
     }
 
-    /// Bind groups from inputs by name, the first that offers a name wins; one that nobody offers is an error.
+    /// Bind groups from inputs by name, the first that offers a name wins; one that no input offers is an error.
     pub fn bind(&self, gpu: &Gpu, inputs: &[&Inputs]) -> Result<Vec<wgpu::BindGroup>> {
         let resources = self
             .bindings

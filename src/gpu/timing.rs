@@ -71,7 +71,7 @@ pub struct Span(usize);
 #[derive(Clone, Copy)]
 struct Place {
     submission: usize,
-    /// Of the spans of its submission.
+    /// Index among the spans of its submission.
     index: usize,
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// See the module.
+/// Latest request and latest batch that the worker has not taken up; a newer one replaces an older.
 #[derive(Default)]
 pub(super) struct Mailbox {
     inbox: Mutex<Inbox>,
@@ -43,7 +43,7 @@ impl Mailbox {
         self.filled.notify_one();
     }
 
-    /// Ends the batch under way; `true`: it was still waiting, and nobody will say that it is over.
+    /// Ends the batch under way; `true`: it was still waiting, and no update will say that it is over.
     pub fn cancel_batch(&self) -> bool {
         let mut inbox = self.lock();
         inbox.cancel = true;

@@ -1,5 +1,5 @@
-//! Pictures while somebody changes their mind: a worker thread that owns the renderer, takes requests of which the latest
-//! wins, and sends back pictures that start coarse and end exact. What a window consumes; knows none.
+//! Interactive worker: a thread that owns the renderer and serves one request at a time; a newer request cancels the
+//! current one. Pictures start coarse and end exact. A window consumes what it sends; the worker knows no window.
 //!
 //! ```text
 //! Request ─► mailbox ─► worker: coarse picture, exact picture, truth band by band, error numbers ─► Update
@@ -29,7 +29,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use update::Sender;
 
-/// What somebody wants to see.
+/// Pictures that are wanted, of one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// Comes back with every [`Update`] about it.

@@ -2,9 +2,10 @@
 
 use super::Request;
 use super::update::{Drawn, Rgb, What};
+use crate::cost::{Memory, PassTimes};
 use crate::frame::{Exposure, Frame, tone_map};
 use crate::occlusion::MethodSetup;
-use crate::raymarch::{BAND_ROWS, Memory, PassTimes};
+use crate::raymarch::BAND_ROWS;
 use crate::scene::{ImageSize, Scene};
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ pub(super) struct Stage {
     finished: Vec<(MethodSetup, Finished)>,
     /// The truth, once it is whole.
     pub truth: Option<Arc<Frame>>,
-    /// Of the truth; until there is one, of the first picture.
+    /// Exposure of the truth; until there is one, of the first picture.
     exposure: Option<Exposure>,
 }
 

@@ -2,16 +2,17 @@
 
 use super::probes::Probed;
 use crate::batch::Event;
+use crate::cost::{Memory, PassTimes};
 use crate::frame::Frame;
 use crate::metrics::Comparison;
-use crate::raymarch::{MapTexels, Memory, PassTimes};
+use crate::raymarch::MapTexels;
 use std::path::PathBuf;
 use std::sync::{Arc, mpsc};
 
 /// Which picture of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum What {
-    /// That of the method with this index in [`super::Request::methods`].
+    /// Picture of the method with this index in [`super::Request::methods`].
     Method(usize),
     /// The truth.
     Truth,
@@ -41,7 +42,7 @@ pub struct Drawn {
     pub factor: u32,
     /// Share of the picture that is rendered at `factor` (the rest is filled from a coarser one), 0…1.
     pub share: f64,
-    /// Of the exact, whole picture.
+    /// Times and memory of the exact, whole picture.
     pub cost: Option<(PassTimes, Memory)>,
 }
 
@@ -77,14 +78,14 @@ pub enum Update {
         serial: u64,
         /// Index of the method.
         method: usize,
-        /// Its texels.
+        /// Texels of the map; `None` for a method without one.
         texels: Option<Arc<MapTexels>>,
     },
     /// Times of one more run of the first method.
     Times {
         /// See [`super::Request::serial`].
         serial: u64,
-        /// Of that run.
+        /// Times of that run.
         times: PassTimes,
     },
     /// Everything of a request was sent.
@@ -131,7 +132,7 @@ impl Sender {
     }
 
     pub fn send(&self, update: Update) {
-        // The receiver is gone while the owner is ending the worker: nobody is interested then.
+        // The receiver is gone while the owner is ending the worker: then no update is wanted.
         if self.updates.send(update).is_ok() {
             (self.wake)();
         }

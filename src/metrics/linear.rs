@@ -78,7 +78,7 @@ pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear, Unlit> 
 
 /// Mean L: the reference's sun-lit radiance averaged over the RGB channels of its cloud pixels, > 0, unit of radiance.
 ///
-/// It is the scale of `p99_abs`, `max_abs`, [`super::Flicker`] and of a false-colour picture. A reference without cloud
+/// The scale of `p99_abs`, `max_abs`, [`super::Flicker`] and of a false-colour picture. A reference without cloud
 /// pixels or without sunlight on them has none.
 pub fn mean_sun(reference: &Frame) -> Result<f64, Unlit> {
     let (mut sum, mut channels) = (0.0, 0_usize);

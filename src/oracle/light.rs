@@ -1,14 +1,14 @@
 //! A method made ready on the oracle: V at any point of the scene.
 
+use super::counted_ray::{CountedRay, count};
 use super::layer::{LayerRay, UNLIMITED_M, ground_blocks};
 use super::map::LightMap;
-use super::way::{Way, count};
 use super::{LightColumn, Oracle};
+use crate::cost::{Counts, Samples};
 use crate::error::Result;
 use crate::occlusion::MethodSetup;
 use crate::occlusion::rounding::{Format, Rounding};
 use crate::occlusion::twin::{March, Twin, fallback};
-use crate::raymarch::{Counts, Samples};
 use glam::DVec3;
 use std::cell::Cell;
 
@@ -152,22 +152,22 @@ impl<'a> Occlusion<'a> {
         if ground_blocks(&scene.container, p, *sun) {
             return 0.0;
         }
-        let ray = LayerRay::new(&scene.container, p, *sun, (0.0, UNLIMITED_M));
-        let way = Way {
+        let layer = LayerRay::new(&scene.container, p, *sun, (0.0, UNLIMITED_M));
+        let ray = CountedRay {
             field: &self.oracle.field,
             skip: self.skip,
-            ray,
+            ray: layer,
             samples: &tally.light,
         };
         match &self.kind {
-            Kind::March(march) => march.transmittance(&way, rnd),
+            Kind::March(march) => march.transmittance(&ray, rnd),
             Kind::Map(map) => {
                 count(&tally.look_ups);
                 let Some(uv) = map.uv(p) else {
                     count(&tally.fallbacks);
-                    return fallback(&way);
+                    return fallback(&ray);
                 };
-                map.transmittance(uv, ray.length_m())
+                map.transmittance(uv, layer.length_m())
             }
         }
     }

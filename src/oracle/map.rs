@@ -1,16 +1,16 @@
 //! A light map in f64. Texels are marched when they are first asked for: memory follows what the view needs, not the
 //! map's size.
 
+use super::counted_ray::CountedRay;
 use super::field::Field;
 use super::layer::{LayerRay, UNLIMITED_M};
-use super::way::Way;
 use super::{Options, Oracle};
 use crate::error::{Error, Result};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::rounding::Rounding;
 use crate::occlusion::twin::{Column, Encoding, LookUp};
-use crate::raymarch::light_map::MapRectangle;
 use crate::scene::Container;
+use crate::scene::MapRectangle;
 use glam::DVec3;
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -219,13 +219,13 @@ impl LightMap {
 
     fn march(&self, at: [u32; 2]) -> Texel {
         let samples = Cell::new(0);
-        let way = Way {
+        let ray = CountedRay {
             field: &self.field,
             skip: self.skip,
             ray: self.column(at.map(|i| (f64::from(i) + 0.5) / self.edge())),
             samples: &samples,
         };
-        let column = Column::march(&way, self.steps, self.sampling, self.rectangle.depth_m);
+        let column = Column::march(&ray, self.steps, self.sampling, self.rectangle.depth_m);
         let values = self.encoding.encode(&column, &self.rounding);
         Texel {
             values: values

@@ -1,12 +1,13 @@
 //! The view march in f64: L = Σₖ Tₖ (1 − e^(−σₖΔ)) · albedo · (p(θ) E V(pₖ) + ambient(pₖ)) + T · background.
 
 use super::Oracle;
+use super::counted_ray::count;
 use super::layer::{LayerRay, UNLIMITED_M, ground_blocks, height_fraction};
 use super::light::{Occlusion, Tally};
-use super::way::count;
+use crate::cost::{Counts, Samples};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::raymarch::{Counts, Progress, Samples};
+use crate::progress::Progress;
 use crate::scene::{Integration, March, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -42,13 +43,13 @@ struct Gathered {
     transmittance: f64,
 }
 
-/// Interleaved gradient noise in [0, 1), Jimenez 2014, *Next Generation Post Processing in Call of Duty*.
+/// Interleaved gradient noise in [0, 1), Jimenez 2014.
 fn gradient_noise(column: u32, row: u32) -> f64 {
     let phase = f64::from(column) * 0.067_110_56 + f64::from(row) * 0.005_837_15;
     (52.982_918_9 * phase.fract()).fract()
 }
 
-/// Henyey & Greenstein 1941.
+/// Phase function of Henyey & Greenstein 1941, sr⁻¹.
 fn henyey_greenstein(g: f64, cosine: f64) -> f64 {
     let base = (1.0 - g).powi(2) + 2.0 * g * (1.0 - cosine);
     (1.0 - g * g) / (4.0 * PI * base * base.sqrt())

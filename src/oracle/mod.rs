@@ -1,21 +1,12 @@
 //! The oracle: scenes, methods and the truth in f64 on the CPU.
 //!
-//! It is written from the equations and shares no code with the shaders; what it shares with the device path on the CPU
+//! The oracle is written from the equations and shares no code with the shaders; what it shares with the device path on the CPU
 //! is the scene's geometry in f64, where a map lies, the sky's coefficients and the bounds of empty space. It serves
 //! tests (device against oracle), the split of an error into model, sampling and precision (see [`Options`]), sweeps of
 //! single columns ([`Occlusion::along`]), and pictures where no adapter exists.
-//!
-//! ```no_run
-//! # fn main() -> occlab::Result<()> {
-//! # let scene: occlab::scene::Scene = todo!();
-//! use occlab::{occlusion::MethodSetup, oracle::{Options, Oracle}, raymarch::unwatched, scene::ImageSize};
-//! let oracle = Oracle::new(&scene, ImageSize { width: 160, height: 90 })?;
-//! let method = oracle.prepare(&MethodSetup::defaults("esm")?, Options::default())?;
-//! let (frame, counts) = method.render(&mut unwatched)?;
-//! # Ok(())
-//! # }
-//! ```
+//! The crate's first page has an example.
 
+mod counted_ray;
 mod field;
 mod layer;
 mod light;
@@ -24,20 +15,17 @@ mod march;
 mod noise;
 mod probe;
 mod procedural;
-mod reference;
 mod temporal;
 mod texture;
-mod way;
 
 pub use light::{Occlusion, Options};
-pub use reference::truth;
 pub use temporal::History;
 pub use texture::Filter;
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, MAX_PIXELS};
 use crate::occlusion::MethodSetup;
-use crate::raymarch::unwatched;
+use crate::progress::unwatched;
 use crate::scene::{Ambient, ImageSize, Scene, Sky, SkyModel};
 use field::Field;
 use glam::DVec3;
@@ -59,7 +47,7 @@ pub struct Oracle {
     ambient: Option<(DVec3, DVec3)>,
 }
 
-/// A straight way of light through the layer, from the sun side to where it leaves or meets the ground.
+/// The straight path of light through the layer, from the sun side to where it leaves or meets the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct LightColumn(LayerRay);
 
@@ -148,6 +136,26 @@ impl Oracle {
     /// One picture, start to end.
     pub fn render(&self, setup: &MethodSetup, options: Options) -> Result<Frame> {
         Ok(self.prepare(setup, options)?.render(&mut unwatched)?.0)
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Picture size.
+    pub fn image(&self) -> ImageSize {
+        self.image
+    }
+
+    /// Identifies imported data; empty for fields that the scene's JSON determines.
+    pub fn content_hash(&self) -> String {
+        self.field.content_hash()
+    }
+
+    /// How noise textures are filtered.
+    pub fn filter(&self) -> Filter {
+        self.field.filter()
     }
 
     /// The truth, at the scene's own light step.

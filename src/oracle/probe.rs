@@ -2,7 +2,7 @@
 
 use super::layer::{LayerRay, UNLIMITED_M};
 use super::{LightColumn, Oracle};
-use crate::raymarch::light_map::MapRectangle;
+use crate::scene::MapRectangle;
 use glam::DVec3;
 
 /// Samples along a view ray.

@@ -4,9 +4,11 @@
 use super::Oracle;
 use super::light::{Occlusion, Tally};
 use super::march::{Pixel, add};
+use crate::cost::Counts;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::raymarch::{Counts, Progress, check_size};
+use crate::progress::Progress;
+use crate::raymarch::check_size;
 use crate::scene::{Camera, ImageSize, Reconstruct};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;

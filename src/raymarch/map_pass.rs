@@ -1,12 +1,14 @@
 //! The pass that fills a light map, and the texture it fills.
 
-use super::cost::Memory;
-use super::light_map::{MapRectangle, TexelFormat};
+use super::light_map::{TexelFormat, map_uniform};
 use super::tiles::{Pass, SLOW_SAMPLES_A_MS, Tiles};
-use super::{Progress, Renderer, View};
+use super::{Renderer, View};
+use crate::cost::Memory;
 use crate::error::{Error, Result};
 use crate::gpu::{Defs, Flight, Gpu, Inputs, Kernel, PassTime, Program, Resource, Span};
 use crate::occlusion::MethodSetup;
+use crate::progress::Progress;
+use crate::scene::MapRectangle;
 use std::rc::Rc;
 
 /// COPY_DST although nothing is copied there: without it wgpu zeroes the texture in a render pass, and a software adapter
@@ -127,7 +129,7 @@ impl MapTexture {
         inputs.resource("map_sampler", Resource::Sampler(clamping_sampler(gpu)));
         let rectangle = MapRectangle::fit(&view.scene, view.image, resolution);
         let steps = setup.params.int("steps")?;
-        inputs.uniform("map", rectangle.uniform(resolution, steps));
+        inputs.uniform("map", map_uniform(&rectangle, resolution, steps));
         let memory = format.memory(values, storage, resolution);
         Ok(Self {
             texture,

@@ -1,25 +1,21 @@
 //! The renderer: a scene and a method become a picture, its times, its memory and its counts. Knows no window.
 
-mod cost;
+mod frame_spans;
 mod inputs;
-pub(crate) mod light_map;
+mod light_map;
 mod map_pass;
 mod map_texels;
 mod prepared;
-pub mod reference;
 mod temporal;
 mod tiles;
-pub mod truth_cache;
 mod view;
 
-pub use cost::{Counts, Memory, PassTimes, Samples};
 pub use light_map::planned_memory;
 pub use map_texels::MapTexels;
 pub use prepared::Prepared;
 pub(crate) use temporal::check_size;
 pub use temporal::{History, Temporal, history_bytes};
 pub use tiles::Tiling;
-pub use truth_cache::TruthCache;
 pub use view::View;
 
 use crate::density::DensityField;
@@ -30,20 +26,10 @@ use crate::scene::ImageSize;
 use crate::scene::Scene;
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
-use std::ops::ControlFlow;
 use std::rc::Rc;
 
-/// Told the finished share, 0…1, after every tile; `Break` stops the render. Bands of [`BAND_ROWS`] rows are finished one
-/// after the other from the top.
-pub type Progress<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
-
-/// Rows of a workgroup of the view march.
+/// Rows of a workgroup of the view march: bands of so many rows are finished one after the other from the top.
 pub const BAND_ROWS: u32 = 8;
-
-/// For renders nobody watches.
-pub fn unwatched(_share: f64) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 /// Renders on one device and keeps its compiled kernels.
 pub struct Renderer {

@@ -1,14 +1,16 @@
 //! A method made ready in a view: kernels, map texture, bind groups; then run as often as wanted.
 
-use super::cost::{Counts, FrameSpans, Memory, PassTimes, Samples};
+use super::frame_spans::{FrameSpans, pass_times};
 use super::map_pass::{MapPass, MapTexture, counts_buffer, offer_counts};
 use super::map_texels::MapTexels;
 use super::tiles::{Pass, Tiles};
-use super::{Progress, Renderer, View};
+use super::{Renderer, View};
+use crate::cost::{Counts, Memory, PassTimes, Samples};
 use crate::error::{Error, Result};
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, Program, UniformValue, read_buffer};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::param::ParamValue;
+use crate::progress::Progress;
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -128,7 +130,7 @@ impl Prepared {
         };
         let march = self.tiles.run(gpu, &self.pass(place), progress)?;
         let wall = start.elapsed().as_secs_f64() * 1e3;
-        Ok(PassTimes::of_passes(generate, march, None, wall))
+        Ok(pass_times(generate, march, None, wall))
     }
 
     /// Renders `frames` pictures one after the other without waiting between them, map and march of each in one submission,

@@ -5,11 +5,13 @@
 //! [`History`]: a camera that moves has a view, and so a [`Temporal`], of its own in every frame.
 
 use super::prepared::{Prepared, fly};
-use super::{Counts, Memory, PassTimes, Progress, Renderer, View};
+use super::{Renderer, View};
+use crate::cost::{Counts, Memory, PassTimes};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, Program, Resource, Span, UniformValue, read_buffer};
 use crate::occlusion::MethodSetup;
+use crate::progress::Progress;
 use crate::scene::{Camera, ImageSize, Reconstruct};
 use glam::{DMat3, DVec3};
 use std::cell::{Cell, RefCell};

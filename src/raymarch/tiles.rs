@@ -1,9 +1,9 @@
 //! A pass over a picture or a map in dispatches that end in time: drivers reset a device that is busy for about 2 s, and
 //! a window that shares the queue waits for every dispatch before its own.
 
-use super::Progress;
 use crate::error::{Error, Result};
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, PassTime, Resource, Span};
+use crate::progress::Progress;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 

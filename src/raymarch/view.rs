@@ -19,7 +19,7 @@ pub struct View {
     pub density: Rc<DensityField>,
     pub(super) inputs: Inputs,
     pub(super) defs: Defs,
-    pub(super) skip: bool,
+    skip: bool,
     radiance: wgpu::Buffer,
     sun: wgpu::Buffer,
 }
@@ -73,6 +73,11 @@ impl View {
         let fresh = scene_inputs(&self.scene, self.image, skip);
         self.inputs.take_uniforms(fresh);
         self.skip = skip;
+    }
+
+    /// Whether provably empty space is skipped.
+    pub fn skips(&self) -> bool {
+        self.skip
     }
 
     /// Files that play the roles of a march in this view.

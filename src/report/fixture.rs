@@ -5,9 +5,10 @@ use crate::batch::clock::ClockRecord;
 use crate::batch::record::{
     Cell, Decomposition, Measured, Reference, Report, SCHEMA, Times, WallClock,
 };
-use crate::gpu::{Clocks, Environment, Extent};
+use crate::cost::{Memory, Samples};
+use crate::environment::Environment;
+use crate::gpu::{Clocks, Extent};
 use crate::metrics::{ErrorNumbers, Stats};
-use crate::raymarch::{Memory, Samples};
 use crate::scene::ImageSize;
 use serde_json::{Map, Value, json};
 use std::path::Path;

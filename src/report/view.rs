@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 pub struct Shot<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Its numbers.
+    /// Numbers of the cell.
     pub numbers: &'a Measured,
     /// Clock of the report.
     pub clock: Clock,
@@ -26,7 +26,7 @@ impl Shot<'_> {
             .filter(|t| t.median > 0.0)
     }
 
-    /// Its median.
+    /// Median of [`Self::time`], ms.
     pub fn time_ms(&self) -> Option<f64> {
         self.time().map(|t| t.median)
     }
@@ -68,7 +68,7 @@ pub struct Case<'a> {
     pub short_name: String,
     /// Name for files and anchors: lower-case letters, digits and hyphens.
     pub slug: String,
-    /// Its cells in matrix order, failed ones included.
+    /// Cells of the view in matrix order, failed ones included.
     pub cells: Vec<&'a Cell>,
     /// The truth it is compared with.
     pub reference: Option<&'a Reference>,
@@ -91,7 +91,7 @@ impl<'a> Case<'a> {
             .collect()
     }
 
-    /// Its methods in matrix order.
+    /// Methods of the view in matrix order.
     pub fn methods(&self) -> Vec<&'a str> {
         distinct(self.cells.iter().map(|c| c.method.as_str()))
     }

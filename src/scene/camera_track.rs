@@ -41,7 +41,7 @@ impl CameraTrack {
         }
     }
 
-    /// Way of the camera from one frame to the next, metres; `None` where it stays.
+    /// Distance the camera moves from one frame to the next, metres; `None` where it stays.
     pub fn step_m(self, scene: &Scene, image: ImageSize) -> Option<f64> {
         match self {
             Self::Pan => None,
@@ -141,8 +141,8 @@ mod tests {
         for track in CameraTrack::ALL {
             assert_eq!(track.scene(&still, IMAGE, 0), still);
             assert_eq!(json!(track), json!(track.name()));
-            let (turn, way) = (track.step_deg(&still, IMAGE), track.step_m(&still, IMAGE));
-            assert!(turn.is_some() != way.is_some());
+            let (turn, shift) = (track.step_deg(&still, IMAGE), track.step_m(&still, IMAGE));
+            assert!(turn.is_some() != shift.is_some());
         }
         let pan = CameraTrack::Pan.scene(&still, IMAGE, 5);
         assert_eq!(pan, Track::Pan.scene(&still, IMAGE, 5));

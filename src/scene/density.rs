@@ -22,7 +22,7 @@ pub enum Density {
         /// Density, ≥ 0.
         value: f64,
     },
-    /// Weather map, Perlin–Worley shape and Worley erosion (Schneider & Vos 2015/2017, Hillaire 2016).
+    /// Weather map, Perlin–Worley shape and Worley erosion (Schneider & Vos 2015, Schneider 2017, Hillaire 2016).
     Procedural(Procedural),
     /// A NumPy array that fills a box container, samples at cell centres, clamped trilinear interpolation.
     Volume(Volume),

@@ -19,7 +19,7 @@ pub struct Medium {
     #[serde(default = "default_phase")]
     pub phase: Vec<Lobe>,
     /// Factor on the singly scattered sunlight that stands in for the higher orders of scattering in pictures.
-    /// It scales every method and the truth alike, so that relative errors do not depend on it.
+    /// The factor scales every method and the truth alike, so that relative errors do not depend on it.
     #[serde(default = "default_gain")]
     pub sun_gain: f64,
 }

@@ -1,11 +1,11 @@
-//! Daylight after Preetham, Shirley & Smits 1999, *A Practical Analytic Model for Daylight* (SIGGRAPH 99), in f64.
+//! Daylight after Preetham, Shirley & Smits 1999, in f64.
 //!
 //! Sky: F(θ, γ) = (1 + A e^(B/cos θ)) (1 + C e^(Dγ) + E cos² γ) (Perez et al. 1993), one set A…E for luminance Y and
 //! the chromaticities x and y; value = zenith · F(θ, γ) / F(0, θs), with θ from the zenith and γ from the sun.
 //! Sun: extraterrestrial illuminance × the transmittances of the paper's appendix A.1.
 //! Cost: five exponentials a direction.
 //!
-//! Known weakness (Zotti, Wilkie & Purgathofer 2007, *A Critical Review of the Preetham Skylight Model*): with the sun
+//! Known weakness (Zotti et al. 2007): with the sun
 //! on the horizon the sky stays several times too bright. Every method and the truth share it, so comparisons stand.
 
 use glam::DVec3;

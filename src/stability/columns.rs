@@ -24,7 +24,7 @@ const DIRECTIONS: [[f64; 2]; 5] = [
     [-0.67, -0.47],
     [0.53, -0.41],
 ];
-/// Points of a view ray through which columns are laid, shares of its way inside the layer.
+/// Points of a view ray through which columns are laid, shares of its length inside the layer.
 const SHARES: [f64; 3] = [0.472, 0.231, 0.794];
 
 /// A light column and its truth.

@@ -21,6 +21,7 @@ pub use record::{Case, Columns, Picture, Row, SCHEMA, Setting, Sweep, Verdict};
 pub use thresholds::{Found, SEARCHED, Threshold, thresholds};
 
 use crate::config::Stability;
+use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::raymarch::Renderer;
 use std::ops::ControlFlow;
@@ -37,7 +38,7 @@ pub enum Profile {
 }
 
 impl Profile {
-    /// Its name on the command line and on the page.
+    /// Name on the command line and on the page.
     pub fn name(self) -> &'static str {
         match self {
             Self::Quick => "quick",
@@ -116,7 +117,7 @@ pub fn run(
         schema: SCHEMA.to_owned(),
         name: stability.name.clone(),
         profile: profile.name().to_owned(),
-        environment: renderer.map(|renderer| renderer.gpu.environment()),
+        environment: renderer.map(|renderer| Environment::of_device(&renderer.gpu)),
         wall_s,
         thresholds,
         cases,

@@ -4,7 +4,8 @@ use super::record::{Picture, Verdict};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, is_nonfinite};
 use crate::occlusion::MethodSetup;
-use crate::raymarch::{Renderer, View, unwatched};
+use crate::progress::unwatched;
+use crate::raymarch::{Renderer, View};
 
 /// Pixels with less opacity than this in the truth say nothing of V.
 const LEAST_OPACITY: f32 = 1e-6;

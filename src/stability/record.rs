@@ -1,7 +1,7 @@
-//! What a sweep leaves behind: one [`Case`] for each extreme, one [`Sweep`] for each folder.
+//! Records of a sweep: one [`Case`] for each extreme, one [`Sweep`] for each folder.
 
 use super::thresholds::Threshold;
-use crate::gpu::Environment;
+use crate::environment::Environment;
 use serde::{Deserialize, Serialize};
 
 /// Version of the record format; records of another are made again.

@@ -5,10 +5,10 @@ use super::columns::{Probe, measure as measure_columns, probes};
 use super::pictures;
 use super::record::{Case, Columns, Picture, Row, SCHEMA, Setting, Verdict};
 use crate::config::{Extreme, Stability};
+use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::frame::atomic::write_atomic;
-use crate::gpu::Environment;
 use crate::occlusion::MethodSetup;
 use crate::occlusion::rounding::Rounding;
 use crate::oracle::{Options, Oracle};
@@ -68,7 +68,7 @@ pub(super) fn case_id(
     // Two commits of the same sources show the same.
     let environment = renderer.map(|renderer| Environment {
         commit: String::new(),
-        ..renderer.gpu.environment()
+        ..Environment::of_device(&renderer.gpu)
     });
     let key = json!([
         SCHEMA,

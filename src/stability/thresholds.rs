@@ -40,9 +40,9 @@ pub struct Threshold {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Found {
-    /// It begins here.
+    /// The failure begins at this value.
     At(f64),
-    /// Not up to here.
+    /// No failure up to this value.
     NotUpTo(f64),
     /// The device did not deliver; its own words.
     Failed(String),
@@ -70,7 +70,7 @@ fn bisect(low: f64, high: f64, halvings: u32, fails: impl Fn(f64) -> bool) -> Op
     Some(high)
 }
 
-/// Extinction in the first `share` of a way of 1 m.
+/// Extinction in the first `share` of a path of 1 m.
 struct Slab {
     extinction_per_m: f64,
     share: f64,

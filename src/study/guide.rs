@@ -94,7 +94,7 @@ struct Entry<'a> {
     value: Interval,
 }
 
-/// Those that nothing clearly beats, best first, and the best of the others.
+/// Settings that nothing clearly beats, best first, and the best of the others.
 struct Podium<'a> {
     leaders: Vec<Entry<'a>>,
     next: Option<Entry<'a>>,

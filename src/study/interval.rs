@@ -21,8 +21,8 @@ pub const CONFIDENCE: f64 = 0.93;
 const FEWEST: usize = 3;
 
 impl Interval {
-    /// Of repeats: their median between two of them, the narrowest pair of equal ranks from both ends that holds the true
-    /// median with a probability of at least 93 % (David & Nagaraja, *Order Statistics*, 2003, § 7.1); of 3 or 4 repeats
+    /// Median of repeats with an order-statistics confidence interval: the narrowest pair of equal ranks from both ends that
+    /// holds the true median with a probability of at least 93 % (David & Nagaraja 2003, § 7.1); of 3 or 4 repeats
     /// the extremes, which hold it with 75 and 88 %. A reason where fewer are given.
     pub fn of_repeats(values: &[f64]) -> Result<Self, String> {
         Self::of_repeats_at(values, CONFIDENCE)
@@ -84,7 +84,7 @@ impl Interval {
         })
     }
 
-    /// Its absolute value.
+    /// Interval of the absolute value.
     pub fn size(self) -> Self {
         let (low, high) = (self.low.abs(), self.high.abs());
         let spans = self.low <= 0.0 && self.high >= 0.0;

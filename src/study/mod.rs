@@ -51,7 +51,7 @@ pub const EXPERIMENTS: &str = "experiments";
 pub struct Outcome {
     /// Name of the study.
     pub study: String,
-    /// Its profile.
+    /// Profile of the study that was run.
     pub profile: String,
     /// Adapter that every number about time belongs to.
     pub adapter: String,
@@ -71,7 +71,7 @@ pub struct Outcome {
     pub wall_s: f64,
     /// Cells of all experiments.
     pub cells: usize,
-    /// Of these, failed.
+    /// Cells that failed.
     pub failed: usize,
 }
 

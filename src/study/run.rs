@@ -9,8 +9,8 @@ use crate::batch::{self, lock::Lock, record::Report};
 use crate::config::{CellSpec, Experiment, Matrix, Study, Test, View, expand};
 use crate::error::Result;
 use crate::occlusion::Registry;
-use crate::raymarch::TruthCache;
 use crate::scene::{Reconstruct, Track};
+use crate::truth::TruthCache;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -38,14 +38,14 @@ pub enum Event<'a> {
     Begins {
         /// Position, from 0.
         index: usize,
-        /// Of so many.
+        /// Number of experiments.
         count: usize,
-        /// Its title.
+        /// Title of the experiment.
         title: &'a str,
     },
-    /// Its batch says something.
+    /// The batch of an experiment says something.
     Batch(batch::Event, Progress),
-    /// Its report is written.
+    /// The report of an experiment is written.
     Done(&'a str, Progress),
 }
 

@@ -24,11 +24,11 @@ pub struct Records<'a> {
 pub struct Found<'a> {
     /// Id of the experiment.
     pub experiment: &'a str,
-    /// Its report.
+    /// Report of the experiment.
     pub report: &'a Report,
     /// The cell.
     pub cell: &'a Cell,
-    /// Its numbers.
+    /// Numbers of the cell.
     pub numbers: &'a Measured,
 }
 

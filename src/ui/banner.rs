@@ -2,7 +2,7 @@
 
 use eframe::egui;
 
-/// See the module.
+/// The lines that are shown now, by what they are about.
 #[derive(Default)]
 pub struct Banners {
     shaders: Option<String>,

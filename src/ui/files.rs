@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-/// Nobody closes a dialog so fast: there was none.
+/// A dialog that closes faster than a person can was never shown.
 const NO_DIALOG: Duration = Duration::from_millis(400);
 
 /// What a path is asked for.

@@ -20,10 +20,10 @@ const MOST: f32 = 0.6;
 const LEAST: f32 = 140.0;
 
 impl Lower {
-    /// Its tabs.
+    /// All tabs, in the order of the bar.
     pub const ALL: [Self; 2] = [Self::Probe, Self::Map];
 
-    /// Its name on the bar.
+    /// Name on the bar.
     pub fn name(self) -> &'static str {
         match self {
             Self::Probe => "Probe",

@@ -2,8 +2,8 @@
 
 use super::app::{App, Slot};
 use super::ink::ink;
+use crate::cost::PassTimes;
 use crate::metrics::{Comparison, summarise};
-use crate::raymarch::PassTimes;
 use crate::report::format::{bytes, maybe, ms, number};
 use eframe::egui;
 use egui_plot::{Legend, Line, Plot, PlotPoints};
@@ -58,7 +58,7 @@ fn times(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
     let time = |of: &dyn Fn(&PassTimes) -> Option<f64>| {
         costs.iter().map(|c| c.map(|(t, _)| ms(of(&t)))).collect()
     };
-    let memory = |of: &dyn Fn(&crate::raymarch::Memory) -> u64| {
+    let memory = |of: &dyn Fn(&crate::cost::Memory) -> u64| {
         costs
             .iter()
             .map(|c| c.map(|(_, m)| bytes(of(&m))))

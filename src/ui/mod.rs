@@ -74,7 +74,7 @@ pub fn open(gpu: Gpu, options: Options) -> Result<()> {
     let told = ending.clone();
     let create = Box::new(move |cc: &eframe::CreationContext<'_>| {
         let ctx = cc.egui_ctx.clone();
-        let adapter = gpu.environment().adapter;
+        let adapter = gpu.info.name.clone();
         let live = Live::start(gpu, options.shaders, move || ctx.request_repaint());
         let app = App::remembering(live, adapter, options.state, remembered_in(), options.start)?
             .ending_in(told);

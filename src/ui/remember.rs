@@ -26,7 +26,7 @@ pub fn file() -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "occlab").map(|dirs| dirs.data_dir().join("window.json"))
 }
 
-/// Its content.
+/// Content of that file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Left {
     mode: Mode,
@@ -84,7 +84,7 @@ pub struct Memory {
     theme: ThemePreference,
     written: Option<(Now, Instant)>,
     writer: Option<JoinHandle<Result<()>>>,
-    /// That it cannot be written was said.
+    /// The person was told that the file cannot be written.
     complained: bool,
 }
 

@@ -1,10 +1,11 @@
 //! What the worker sent, as textures and numbers by slot.
 
 use super::app::Slot;
+use crate::cost::PassTimes;
 use crate::live::{Drawn, Probed, Request, Rgb, Update, What};
 use crate::metrics::Comparison;
 use crate::occlusion::MethodSetup;
-use crate::raymarch::{MapTexels, PassTimes};
+use crate::raymarch::MapTexels;
 use crate::scene::{ImageSize, Scene};
 use eframe::egui;
 use std::collections::{HashMap, VecDeque};
@@ -16,7 +17,7 @@ const REMEMBERED: usize = 256;
 /// Runs in the rolling plot.
 const RUNS: usize = 120;
 
-/// See the module.
+/// Everything the window has to show for the current request, by slot.
 #[derive(Default)]
 pub struct Shown {
     pictures: HashMap<Slot, Picture>,

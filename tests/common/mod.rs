@@ -6,10 +6,12 @@ pub mod formula;
 
 use glam::DVec3;
 use npyz::WriterBuilder;
+use occlab::cost::Counts;
 use occlab::frame::Frame;
 use occlab::gpu::Gpu;
 use occlab::occlusion::MethodSetup;
-use occlab::raymarch::{Counts, Renderer, View, unwatched};
+use occlab::progress::unwatched;
+use occlab::raymarch::{Renderer, View};
 use occlab::scene::ImageSize;
 use occlab::scene::{
     Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Volume,

@@ -52,7 +52,7 @@ pub fn window_of(
         device: gpu.device.clone(),
         queue: gpu.queue.clone(),
     };
-    let adapter = gpu.environment().adapter;
+    let adapter = gpu.info.name.clone();
     let live = Live::start(gpu, shaders.map(Into::into), || {});
     let app = make(live, adapter);
     Harness::builder()

@@ -5,7 +5,8 @@ use glam::DVec3;
 use occlab::frame::Frame;
 use occlab::occlusion::MethodSetup;
 use occlab::oracle::{self, Options, Oracle};
-use occlab::raymarch::{History, Renderer, unwatched};
+use occlab::progress::unwatched;
+use occlab::raymarch::{History, Renderer};
 use occlab::scene::{Ambient, ImageSize, Scene};
 use std::path::Path;
 

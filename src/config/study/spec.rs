@@ -144,7 +144,7 @@ pub struct ClaimSpec {
     pub place: String,
     /// The claim in a sentence.
     pub says: String,
-    /// Its parts. Without any nothing is decided.
+    /// What must hold together; a claim without parts is not decided.
     pub checks: Vec<Check>,
 }
 
@@ -182,7 +182,7 @@ pub struct ChartSpec {
     pub experiment: String,
     /// The horizontal axis.
     pub along: String,
-    /// Its title.
+    /// Title of the horizontal axis.
     pub along_title: String,
     /// Whether it is logarithmic.
     #[serde(default)]
@@ -244,7 +244,7 @@ pub struct TableSpec {
 pub struct TableColumn {
     /// Which number.
     pub metric: String,
-    /// Its title.
+    /// Title of the column.
     pub title: String,
 }
 
@@ -301,7 +301,7 @@ pub enum Evidence {
         one: f64,
         /// The number in the other.
         other: f64,
-        /// Their unit.
+        /// Unit of both numbers.
         unit: String,
     },
 }
@@ -365,7 +365,7 @@ pub enum Question {
         /// Number that is limited, e.g. `map_bytes`.
         #[serde(default)]
         budget: Option<String>,
-        /// Its limits, one sentence each; none: one sentence without a limit.
+        /// Limits of that number, one sentence each; none: one sentence without a limit.
         #[serde(default)]
         limits: Vec<f64>,
     },

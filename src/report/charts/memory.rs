@@ -7,8 +7,8 @@ use super::WIDTH;
 use super::axis::Axis;
 use super::canvas::{Canvas, GRID, Hang, INK, MUTED, SMALL, sheet};
 use super::plot::{Key, Plot, caption, legend, room_for_rows, row_label, title};
+use crate::cost::Memory;
 use crate::error::Result;
-use crate::raymarch::Memory;
 
 /// Title of the chart; memory depends on neither scene nor sun.
 pub const TITLE: &str = "Memory of the maps: all scenes and suns";

@@ -16,9 +16,9 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// It does.
+    /// The claim holds.
     Holds,
-    /// It does not.
+    /// The claim does not hold.
     Fails,
     /// The records cannot tell.
     Undecidable,
@@ -34,7 +34,7 @@ impl Verdict {
         }
     }
 
-    /// Of a number against limits: the whole interval must lie inside, or outside.
+    /// Verdict of a number against limits: the whole interval must lie inside, or outside.
     fn within(low: f64, high: f64, (least, most): (f64, f64)) -> Self {
         if low >= least && high <= most {
             Self::Holds
@@ -45,7 +45,7 @@ impl Verdict {
         }
     }
 
-    /// Of parts that must all hold.
+    /// Verdict of parts that must all hold.
     fn all(parts: impl Iterator<Item = Self> + Clone) -> Self {
         if parts.clone().any(|part| part == Self::Fails) {
             Self::Fails
@@ -119,11 +119,11 @@ pub struct Claim {
     pub place: String,
     /// The claim.
     pub says: String,
-    /// Its verdict.
+    /// Verdict of the claim.
     pub verdict: Verdict,
     /// Why, in a sentence.
     pub because: String,
-    /// Its parts.
+    /// Parts that decided it.
     pub parts: Vec<Part>,
 }
 

@@ -1,4 +1,4 @@
-//! Where the pictures of each way of comparing go.
+//! Where each arrangement puts its pictures.
 
 use super::caption::{self, A};
 use super::{Mode, Subject, colour_bar, picture};
@@ -144,7 +144,7 @@ fn cells(app: &App) -> Vec<Subject> {
     };
     let ids = REGISTRY.iter().map(|method| method.info().id);
     let mut cells: Vec<_> = ids.enumerate().map(slot).map(Subject::Slot).collect();
-    // Somebody may have chosen the truth as A.
+    // The truth may have been chosen as A.
     if a == "truth" {
         cells.push(Subject::Slot(A));
     }

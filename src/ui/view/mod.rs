@@ -1,4 +1,4 @@
-//! The middle of the window: a bar, and the pictures in one of seven ways.
+//! The middle of the window: a bar, and the pictures in one of seven arrangements.
 
 mod bar;
 mod caption;
@@ -38,7 +38,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Every way, in the order of the bar.
+    /// Every arrangement, in the order of the bar.
     pub const ALL: [Self; 7] = [
         Self::Single,
         Self::Split,
@@ -49,7 +49,7 @@ impl Mode {
         Self::Truth,
     ];
 
-    /// Its name on the bar.
+    /// Name on the bar.
     pub fn name(self) -> &'static str {
         match self {
             Self::Single => "Single",
@@ -91,7 +91,7 @@ pub struct Pane {
 pub struct Flicker {
     /// The side on the screen.
     pub side: usize,
-    /// It changes once a second.
+    /// The side changes once a second without a key.
     pub by_itself: bool,
     /// When it changed last, seconds of the window's clock.
     since_s: f64,
@@ -163,7 +163,7 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
     layout::draw(app, ui, area);
 }
 
-/// Chooses a way to compare; the truth is rendered if it shows nothing without.
+/// Chooses an arrangement; the truth is rendered if it shows nothing without.
 fn choose(app: &mut App, mode: Mode) {
     app.mode = mode;
     app.want_truth |= mode.needs_truth();

@@ -1,15 +1,21 @@
 //! The truth of a view: rendered once, kept on disk under a hash of everything that determines it, never stale.
 //!
-//! What is damaged in the [cache](super::truth_cache) is rendered again, and a cache that cannot be written costs time but
-//! no result.
+//! What is damaged in the
+//! [cache] is rendered again, and a cache that cannot be written costs time but no result.
 
-use super::cost::Samples;
-use super::truth_cache::{TruthCache, truth_id};
-use super::{Progress, Renderer, View};
+pub mod cache;
+mod device;
+mod oracle;
+
+pub use cache::TruthCache;
+pub use device::on_device;
+pub use oracle::by_oracle;
+
+use crate::cost::Samples;
 use crate::error::Result;
 use crate::frame::Frame;
-use crate::occlusion::MethodSetup;
 use crate::scene::ImageSize;
+use cache::truth_id;
 use serde::{Deserialize, Serialize};
 
 /// A truth and what it took.
@@ -35,7 +41,7 @@ pub struct TruthCost {
     pub march_ms: Option<f64>,
     /// Submission to completion, ms.
     pub wall_ms: f64,
-    /// Density samples; `None` when nobody asked for them.
+    /// Density samples; `None` when they were not asked for.
     pub samples: Option<Samples>,
 }
 
@@ -56,19 +62,6 @@ pub enum Counting {
     On,
     /// Only render.
     Off,
-}
-
-/// The truth of `view`, from `cache` when a whole entry is there.
-pub fn truth(
-    renderer: &Renderer,
-    view: &View,
-    cache: Option<&TruthCache>,
-    counting: Counting,
-    progress: Progress,
-) -> Result<Truth> {
-    cached(id(renderer, view), view.image, cache, counting, || {
-        render(renderer, view, counting, progress)
-    })
 }
 
 /// The truth named `id`, a hash of everything that determines it: from `cache` when a whole entry is there, else what
@@ -116,49 +109,4 @@ pub fn cached(
         passes_s: made.passes_s,
         note: (!notes.is_empty()).then(|| notes.join("; ")),
     })
-}
-
-fn render(
-    renderer: &Renderer,
-    view: &View,
-    counting: Counting,
-    progress: Progress,
-) -> Result<Made> {
-    let setup = MethodSetup::truth(&view.scene)?;
-    let times = renderer
-        .prepare(view, &setup)?
-        .run(&renderer.gpu, progress)?;
-    let frame = view.read(&renderer.gpu)?;
-    let mut wall_ms = times.wall;
-    let samples = match counting {
-        Counting::Off => None,
-        Counting::On => {
-            let counting = renderer.prepare_counting(view, &setup)?;
-            wall_ms += counting.run(&renderer.gpu, progress)?.wall;
-            Some(counting.counts(&renderer.gpu)?.samples)
-        }
-    };
-    let cost = TruthCost {
-        march_ms: times.march,
-        wall_ms: times.wall,
-        samples,
-    };
-    Ok(Made {
-        frame,
-        cost,
-        passes_s: wall_ms * 1e-3,
-    })
-}
-
-fn id(renderer: &Renderer, view: &View) -> String {
-    let environment = renderer.gpu.environment();
-    truth_id(serde_json::json!({
-        "scene": view.scene,
-        "step_m": view.scene.truth_step_m(),
-        "image": view.image,
-        "skip": view.skip,
-        "volume": view.density.content_hash,
-        "shaders": renderer.gpu.sources.hash().to_string(),
-        "adapter": [environment.adapter, environment.driver, environment.backend],
-    }))
 }

@@ -1,5 +1,6 @@
 //! Which machine and build the numbers come from.
 
+use crate::gpu::Gpu;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +25,18 @@ pub struct Environment {
 impl Environment {
     /// [`Self::backend`] where no adapter was used: the f64 oracle on the CPU.
     pub const ORACLE: &str = "oracle";
+
+    /// This build on a device.
+    pub fn of_device(gpu: &Gpu) -> Self {
+        Self {
+            adapter: gpu.info.name.clone(),
+            driver: format!("{} {}", gpu.info.driver, gpu.info.driver_info),
+            backend: format!("{:?}", gpu.info.backend),
+            device_type: format!("{:?}", gpu.info.device_type),
+            commit: program(),
+            host: host(),
+        }
+    }
 
     /// Do the numbers come from the oracle, whose times are wall times of a CPU?
     pub fn is_oracle(&self) -> bool {

@@ -1,12 +1,12 @@
-//! Extinction along a way through a scene, counted.
+//! Extinction along a light ray through a scene, counted.
 
 use super::field::Field;
 use super::layer::LayerRay;
 use crate::occlusion::twin::LightRay;
 use std::cell::Cell;
 
-/// A straight way of light through the medium.
-pub(super) struct Way<'a> {
+/// A light ray through the medium that counts its samples.
+pub(super) struct CountedRay<'a> {
     pub field: &'a Field,
     /// Skip provably empty space.
     pub skip: bool,
@@ -15,12 +15,12 @@ pub(super) struct Way<'a> {
     pub samples: &'a Cell<u64>,
 }
 
-/// One more.
+/// Counts one sample.
 pub(super) fn count(cell: &Cell<u64>) {
     cell.set(cell.get() + 1);
 }
 
-impl LightRay for Way<'_> {
+impl LightRay for CountedRay<'_> {
     fn length_m(&self) -> f64 {
         self.ray.length_m()
     }

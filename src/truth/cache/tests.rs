@@ -2,8 +2,8 @@
 
 use super::entry::{picture, sheet};
 use super::*;
-use crate::raymarch::Samples;
-use crate::raymarch::reference::{Counting, Made, Truth, cached};
+use crate::cost::Samples;
+use crate::truth::{Counting, Made, Truth, cached};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const IMAGE: ImageSize = ImageSize {

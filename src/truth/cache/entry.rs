@@ -4,8 +4,8 @@
 use crate::error::{Error, Result};
 use crate::frame::atomic::{UNFINISHED, write_atomic};
 use crate::frame::{Frame, read_frame, write_frame};
-use crate::raymarch::reference::TruthCost;
 use crate::scene::ImageSize;
+use crate::truth::TruthCost;
 use serde::{Deserialize, Serialize};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 #[derive(Serialize, Deserialize)]
 struct Sheet {
     cost: TruthCost,
-    /// Of the picture's file and `cost`, see [`checksum`].
+    /// Checksum of the picture's file and `cost`, see [`checksum`].
     checksum: String,
 }
 
@@ -131,8 +131,8 @@ fn checksum(picture: &[u8], cost: &TruthCost) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cost::Samples;
     use crate::damage::{Edit, cases, changed, changes, damaged, edits};
-    use crate::raymarch::Samples;
     use proptest::prelude::*;
     use std::sync::LazyLock;
 

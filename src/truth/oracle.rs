@@ -1,16 +1,15 @@
 //! The oracle's truth of a view, kept on disk beside those of devices under a name of its own.
 
-use super::{Options, Oracle};
+use super::{Counting, Made, Truth, TruthCache, TruthCost, cached, truth_id};
 use crate::error::Result;
-use crate::raymarch::Progress;
-use crate::raymarch::reference::{Counting, Made, Truth, TruthCost, cached};
-use crate::raymarch::truth_cache::{TruthCache, truth_id};
+use crate::oracle::{Options, Oracle};
+use crate::progress::Progress;
 use std::time::Instant;
 
 /// The truth of `oracle`'s scene at its image size, from `cache` when a whole entry is there. It is counted as it is
 /// rendered.
-pub fn truth(oracle: &Oracle, cache: Option<&TruthCache>, progress: Progress) -> Result<Truth> {
-    cached(id(oracle), oracle.image, cache, Counting::On, || {
+pub fn by_oracle(oracle: &Oracle, cache: Option<&TruthCache>, progress: Progress) -> Result<Truth> {
+    cached(id(oracle), oracle.image(), cache, Counting::On, || {
         let start = Instant::now();
         let setup = oracle.truth()?;
         let method = oracle.prepare(&setup, Options::default())?;
@@ -30,11 +29,11 @@ pub fn truth(oracle: &Oracle, cache: Option<&TruthCache>, progress: Progress) ->
 
 fn id(oracle: &Oracle) -> String {
     truth_id(serde_json::json!({
-        "scene": oracle.scene,
-        "step_m": oracle.scene.truth_step_m(),
-        "image": oracle.image,
-        "volume": oracle.field.content_hash(),
-        "filter": oracle.field.filter().name(),
+        "scene": oracle.scene(),
+        "step_m": oracle.scene().truth_step_m(),
+        "image": oracle.image(),
+        "volume": oracle.content_hash(),
+        "filter": oracle.filter().name(),
         "adapter": "oracle (f64, CPU)",
     }))
 }

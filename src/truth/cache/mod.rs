@@ -9,7 +9,7 @@
 mod entry;
 mod limit;
 
-use super::reference::TruthCost;
+use super::TruthCost;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::provenance::truth_sources;
@@ -24,9 +24,9 @@ use std::time::{Duration, SystemTime};
 pub const FOLDER_VARIABLE: &str = "OCCLAB_CACHE";
 /// Names the limit, unless it is empty.
 pub const LIMIT_VARIABLE: &str = "OCCLAB_CACHE_LIMIT";
-/// Most bytes of truths where nobody names a limit.
+/// Most bytes of truths where no limit is given.
 pub const DEFAULT_LIMIT_BYTES: u64 = 4 << 30;
-/// After this time nobody is writing a truth any more that has a picture and no sheet.
+/// After this time a truth that has a picture and no sheet counts as abandoned by its writer.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
 /// A folder of truths.
@@ -65,7 +65,7 @@ struct Item {
     files: Vec<PathBuf>,
     bytes: u64,
     used: SystemTime,
-    /// It has its sheet; else it is being written, or was when its process ended.
+    /// The sheet is there; else the truth is being written, or was when its process ended.
     whole: bool,
 }
 
@@ -160,7 +160,7 @@ impl TruthCache {
             }
             match item.remove() {
                 Ok(()) => bytes -= item.bytes,
-                // Somebody else's file in a shared folder; others may make room.
+                // A file of another user in a shared folder; others may make room.
                 Err(problem) => outcome = Err(problem),
             }
         }
@@ -220,7 +220,7 @@ impl Item {
         }
     }
 
-    /// Nobody is writing it. A time in the future counts as now.
+    /// No process is writing it. A time in the future counts as now.
     fn is_settled(&self) -> bool {
         self.whole || self.used.elapsed().is_ok_and(|age| age > ABANDONED)
     }
@@ -244,7 +244,7 @@ impl Item {
 }
 
 /// The name of a truth: a hash of what determines it, which is `view` and the sources of this program.
-pub(crate) fn truth_id(view: serde_json::Value) -> String {
+pub(super) fn truth_id(view: serde_json::Value) -> String {
     hashed(&view, truth_sources())
 }
 
