@@ -14,8 +14,6 @@ const MOST_PARTS: f64 = 1000.0;
 const ROUNDING: f64 = 1e-6;
 /// Differences of T below this are none.
 const LEVEL: f64 = 1e-9;
-/// The method whose optical depth ends at a stored D_max.
-const CLAMPED: &str = "bsm";
 
 /// Curves over one light column.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,17 +37,16 @@ pub struct Curve {
     pub transmittance: Vec<f64>,
     /// For series in a map (`fom`), by depth: T has risen since the depth before, or −ln T exceeds the whole column's τ.
     pub outside: Vec<bool>,
-    /// For `bsm`: index of the depth from which min(D_max, ·) holds T constant, where it sets in before the column ends.
+    /// For a method that stores a largest optical depth (`bsm`): index of the depth from which min(D_max, ·) holds T
+    /// constant, where it sets in before the column ends.
     pub clamped_from: Option<usize>,
 }
 
 impl Probe {
     /// Asks every method of the registry but the truth, at its defaults.
     pub fn new(oracle: &Oracle, column: &LightColumn) -> Result<Self> {
-        let others = REGISTRY.iter().filter(|m| m.info().id != "truth");
-        let setups: Vec<_> = others
-            .map(|m| MethodSetup::defaults(m.info().id))
-            .collect::<Result<_>>()?;
+        let others = REGISTRY.iter().filter(|m| !m.info().is_truth());
+        let setups: Vec<_> = others.map(|m| MethodSetup::new(*m)).collect();
         Self::of(oracle, column, &setups)
     }
 
@@ -130,9 +127,7 @@ fn curve(setup: &MethodSetup, transmittance: Vec<f64>, truth: &[f64]) -> Result<
     let outside = (0..transmittance.len()).map(outside).collect();
     Ok(Curve {
         method: info.id,
-        clamped_from: (info.id == CLAMPED)
-            .then(|| levels_off(&transmittance))
-            .flatten(),
+        clamped_from: info.bounded.then(|| levels_off(&transmittance)).flatten(),
         outside,
         transmittance,
     })

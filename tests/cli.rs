@@ -361,6 +361,21 @@ fn lists_are_complete() {
 }
 
 #[test]
+fn the_readmes_table_of_methods_is_the_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["methods", "--markdown"];
+    let output = occlab(folder.path()).args(arguments).output().unwrap();
+    let table = String::from_utf8(output.stdout).unwrap();
+    let rows = table.lines().filter(|line| line.starts_with("| `"));
+    assert_eq!(rows.count(), occlab::occlusion::REGISTRY.len());
+    let readme = include_str!("../README.md");
+    assert!(
+        readme.contains(&format!("-->\n{table}\n")),
+        "put this into README.md:\n{table}"
+    );
+}
+
+#[test]
 fn a_reader_that_leaves_is_no_error() {
     let folder = tempfile::tempdir().unwrap();
     let mut child = occlab(folder.path())

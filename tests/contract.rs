@@ -4,11 +4,15 @@
 mod common;
 
 use common::{
-    box_scene, count_view, cube_density, cumulus, has_map, hashed, on_gpu, pixel_ray,
-    relative_rmse, render, render_view, setup, size, with_map, write_cube,
+    box_scene, count_view, cube_density, cumulus, exact_settings, has_map, hashed, on_gpu,
+    pixel_ray, relative_rmse, render, render_view, setup, size, with_map, write_cube,
 };
 use occlab::frame::{Frame, is_nonfinite};
-use occlab::occlusion::{MethodSetup, REGISTRY};
+use occlab::occlusion::twin::{self, Twin};
+use occlab::occlusion::{
+    LightOcclusion, MAP_PARAMS, Marker, MethodInfo, MethodSetup, REGISTRY, Role, Trials,
+};
+use occlab::param::Params;
 use occlab::scene::ImageSize;
 use occlab::scene::{Ambient, Density, Scene, Sky};
 use std::collections::HashSet;
@@ -50,6 +54,12 @@ fn descriptions_are_complete() {
                 spec.name
             );
             assert!(!spec.doc.is_empty());
+            for printed in spec.as_printed {
+                assert!(!printed.doc.is_empty(), "{}: {}", info.id, printed.option);
+                assert!(spec.everyday_options().all(|o| o != printed.option));
+                let value = spec.parse_text(printed.option).unwrap();
+                assert_ne!(value, spec.default_value(), "{}: {}", info.id, spec.name);
+            }
             let value = spec.default_value();
             assert_eq!(
                 spec.parse_text(&value.to_string()).unwrap(),
@@ -61,6 +71,55 @@ fn descriptions_are_complete() {
         }
         assert!(method.plan(&setup(info.id, "").params).is_ok());
     }
+}
+
+/// What tables, charts, the window and the tests take from the registry: nobody else knows it.
+#[test]
+fn every_fact_that_others_need_is_there() {
+    for method in REGISTRY {
+        let info = method.info();
+        let (id, trials) = (info.id, &info.trials);
+        let sentence = |text: &str| text.len() > 20 && text.ends_with('.') && !text.contains('|');
+        assert!(sentence(info.expect), "{id}: what fails? {}", info.expect);
+        assert!(
+            !info.summary.is_empty() && !info.summary.contains('|'),
+            "{id}"
+        );
+        assert!(
+            !info.summary.ends_with('.') && info.colour <= 0xff_ff_ff,
+            "{id}"
+        );
+        assert_eq!(info.texel == "–", !has_map(id), "{id}: {}", info.texel);
+        assert_eq!(trials.texels.is_empty(), !has_map(id), "{id}: texels");
+        let bare = info.specs().next().is_none();
+        assert!(bare || !trials.pictures.is_empty(), "{id}: pictures");
+        assert!(bare || !trials.clouds.is_empty(), "{id}: clouds");
+        let shadowed = info.role != Role::Unshadowed;
+        assert_eq!(shadowed, !trials.exact.is_empty(), "{id}: exact settings");
+        for setting in exact_settings(info, 1.0) {
+            named_values(&setup(id, &setting));
+        }
+        for trial in [trials.pictures, trials.clouds, trials.texels].concat() {
+            let (right, wrong) = (setup(id, trial.params), setup(id, trial.control));
+            assert_ne!(right, wrong, "{id} {}: no control", trial.params);
+            named_values(&right);
+        }
+    }
+    let playing = |role| REGISTRY.iter().filter(|m| m.info().role == role).count();
+    assert_eq!([Role::Floor, Role::Truth].map(playing), [1, 1]);
+}
+
+/// Every value of a texel has a name, and no two have the same.
+fn named_values(setup: &MethodSetup) {
+    let plan = setup.method.plan(&setup.params).unwrap();
+    let names = setup.method.value_names(&setup.params).unwrap();
+    assert_eq!(
+        names.len(),
+        plan.map_values.unwrap_or(0) as usize,
+        "{setup:?}"
+    );
+    let distinct: HashSet<_> = names.iter().filter(|name| !name.is_empty()).collect();
+    assert_eq!(distinct.len(), names.len(), "{setup:?}: {names:?}");
 }
 
 /// A missing uniform member or binding is an error of `prepare`.
@@ -172,25 +231,9 @@ fn a_homogeneous_layer_is_exact() {
         let sigma = 0.0023;
         let scene = layer(sigma, elevation);
         let longest_m = 1000.0 / elevation.to_radians().sin();
-        for id in ids().filter(|id| *id != "none") {
-            let mut variants = vec![(String::new(), 1e-4)];
-            if has_map(id) {
-                let own = match id {
-                    "esm" => format!("front=first c={}", sigma * longest_m),
-                    "bsm" => "front=first".into(),
-                    _ => String::new(),
-                };
-                variants = ["nearest", "hardware", "blend"]
-                    .map(|l| (format!("{own} storage=f16 lookup={l}"), 2e-3))
-                    .into();
-                variants.push((format!("{own} storage=f32 lookup=blend"), 1e-4));
-                if id == "bsm" {
-                    variants.extend(
-                        ["all", "fitted"].map(|m| (format!("{own} storage=f32 mean={m}"), 1e-4)),
-                    );
-                }
-            }
-            for (extra, tolerance) in variants {
+        for info in REGISTRY.iter().map(|m| m.info()) {
+            let id = info.id;
+            for (extra, tolerance) in exact_variants(info, sigma * longest_m) {
                 let frame = render(&scene, IMAGE, &small(id, &extra));
                 let pixels = (0..IMAGE.height).flat_map(|j| (0..IMAGE.width).map(move |i| (i, j)));
                 let pairs = frame
@@ -217,6 +260,23 @@ fn a_homogeneous_layer_is_exact() {
             "the comparison cannot tell V = 1 from the truth"
         );
     }
+}
+
+/// The method's exact settings with their tolerances; of a map the first at each look-up too, in f16.
+fn exact_variants(info: &MethodInfo, tau: f64) -> Vec<(String, f64)> {
+    let exact = exact_settings(info, tau);
+    if !has_map(info.id) {
+        return exact.into_iter().map(|own| (own, 1e-4)).collect();
+    }
+    let first = exact.iter().take(1);
+    let half = first.flat_map(|own| {
+        let look_ups = ["nearest", "hardware", "blend"];
+        look_ups.map(|l| (format!("{own} storage=f16 lookup={l}"), 2e-3))
+    });
+    let single = exact
+        .iter()
+        .map(|own| (format!("{own} storage=f32 lookup=blend"), 1e-4));
+    half.chain(single).collect()
 }
 
 fn assert_finite(what: &str, frame: &Frame) {
@@ -274,6 +334,69 @@ fn extreme_media_give_finite_pictures() {
     }
 }
 
+/// The method's defaults, and every option of the choices that not all maps share, one at a time.
+fn own_choices(info: &'static MethodInfo) -> Vec<String> {
+    let own = info.specs().filter(|spec| {
+        let shared = MAP_PARAMS.iter().any(|map| map.name == spec.name);
+        !shared && spec.is_everyday()
+    });
+    let set = own.flat_map(|spec| {
+        let options = spec.everyday_options();
+        options.map(|option| format!("{}={option}", spec.name))
+    });
+    [String::new()].into_iter().chain(set).collect()
+}
+
+/// V = ½, from a file that is not among the program's.
+struct Half;
+
+impl LightOcclusion for Half {
+    fn info(&self) -> &'static MethodInfo {
+        &MethodInfo {
+            id: "half",
+            title: "Half",
+            summary: "V = 1/2",
+            texel: "–",
+            expect: "Every shadow is the same.",
+            citation: "This test",
+            role: Role::Unshadowed,
+            colour: 0x80_80_80,
+            marker: Marker::Down,
+            shader: "elsewhere/half.wgsl",
+            source: "fn light_transmittance(p: vec3f, rnd: f32) -> f32 { return 0.5; }",
+            params: &[],
+            monotone: true,
+            bounded: false,
+            tolerance: 1e-5,
+            trials: Trials {
+                pictures: &[],
+                clouds: &[],
+                texels: &[],
+                exact: &[],
+            },
+        }
+    }
+
+    fn oracle(&self, _params: &Params) -> occlab::Result<Twin> {
+        Ok(Twin::March(Box::new(Half)))
+    }
+}
+
+impl twin::March for Half {
+    fn transmittance(&self, _ray: &dyn twin::LightRay, _rnd: f64) -> f64 {
+        0.5
+    }
+}
+
+#[test]
+fn a_method_that_is_not_registered_brings_its_own_shader() {
+    needs_adapter!();
+    let setup = MethodSetup::new(&Half);
+    let frame = render(&layer(1e-3, 40.0), IMAGE, &setup);
+    assert!(frame.sun.iter().all(|p| (p[3] - 0.5).abs() < 1e-6));
+    assert!(frame.radiance.iter().any(|p| p[0] > 0.0));
+}
+
 /// V down one vertical light column, through a medium that varies from cell to cell but not along the view.
 #[test]
 fn monotone_methods_never_brighten_with_depth() {
@@ -297,12 +420,7 @@ fn monotone_methods_never_brighten_with_depth() {
         (scene.camera.position_m, scene.camera.target_m) = ([x, 500.0, -1e5], [x, 500.0, 500.0]);
         for method in REGISTRY.iter().filter(|m| m.info().monotone) {
             let id = method.info().id;
-            let means: &[&str] = if id == "bsm" {
-                &["mean=occupied", "mean=all", "mean=fitted"]
-            } else {
-                &[""]
-            };
-            for extra in means {
+            for extra in own_choices(method.info()) {
                 let lookup = if has_map(id) { "lookup=nearest" } else { "" };
                 let frame = render(
                     &scene,
@@ -327,7 +445,7 @@ fn monotone_methods_never_brighten_with_depth() {
                     "{id} {extra} at x = {x}: {v:?}"
                 );
                 assert!(
-                    id == "none" || v[v.len() - 1] < 0.9 * v[0],
+                    method.info().role == Role::Unshadowed || v[v.len() - 1] < 0.9 * v[0],
                     "{id} {extra}: nothing to see, {v:?}"
                 );
                 tested += 1;

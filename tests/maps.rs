@@ -8,7 +8,7 @@ use common::{
     setup, size, write_cube,
 };
 use occlab::occlusion::rounding::Rounding;
-use occlab::occlusion::{MethodSetup, REGISTRY};
+use occlab::occlusion::{MethodSetup, REGISTRY, Trial};
 use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
 use occlab::scene::{ImageSize, Scene};
@@ -19,24 +19,6 @@ const IMAGE: ImageSize = ImageSize {
 };
 const EDGE: u32 = 64;
 
-/// A method's variant, and a slightly wrong one.
-const CASES: [(&str, &str, &str); 10] = [
-    ("esm", "", "front=first"),
-    ("esm", "form=published c=8", "form=published c=8.1"),
-    ("bsm", "", "mean=all"),
-    ("bsm", "mean=all front=first", "mean=all"),
-    ("bsm", "mean=fitted", "mean=occupied"),
-    ("bsm", "form=published", "form=published mean=all"),
-    ("fom", "", "sampling=end"),
-    (
-        "fom",
-        "bounds=texel order=5",
-        "bounds=texel order=5 sampling=end",
-    ),
-    ("fom", "form=published", "form=published sampling=end"),
-    ("floor", "", "sampling=end"),
-];
-
 fn lumps(folder: &std::path::Path) -> Scene {
     let value = |x: usize, y: usize, z: usize| {
         let lump = hashed(x / 4, y / 4, z / 4) < 0.4;
@@ -46,6 +28,15 @@ fn lumps(folder: &std::path::Path) -> Scene {
     scene.density = cube_density(write_cube(folder, 16, value));
     (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (41.0, 67.0);
     scene
+}
+
+/// A method's variant, and a slightly wrong one, of every method with a map.
+fn texel_trials() -> impl Iterator<Item = (&'static str, Trial)> {
+    REGISTRY.iter().flat_map(|method| {
+        let info = method.info();
+        let trials = info.trials.texels.iter();
+        trials.map(move |trial| (info.id, *trial))
+    })
 }
 
 fn map(id: &str, params: &str) -> MethodSetup {
@@ -98,7 +89,14 @@ fn columns_hold_what_the_equations_say() {
     on_gpu(move |renderer| {
         let view = renderer.view(&scene, IMAGE).unwrap();
         let oracle = Oracle::new(&scene, IMAGE).unwrap();
-        for (id, params, wrong) in CASES {
+        for (
+            id,
+            Trial {
+                params,
+                control: wrong,
+            },
+        ) in texel_trials()
+        {
             let setup = map(id, params);
             let prepared = renderer.prepare(&view, &setup).unwrap();
             prepared.run(&renderer.gpu, &mut unwatched).unwrap();

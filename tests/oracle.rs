@@ -3,9 +3,11 @@
 mod common;
 
 use common::formula::{Formula, mapped, marched};
-use common::{box_scene, cube_density, cumulus, hashed, setup, size, write_cube};
+use common::{
+    box_scene, cube_density, cumulus, exact_settings, has_map, hashed, setup, size, write_cube,
+};
 use glam::DVec3;
-use occlab::occlusion::MethodSetup;
+use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::oracle::{Options, Oracle};
 use occlab::scene::{Ambient, Container, Density, Scene};
 use std::f64::consts::PI;
@@ -313,19 +315,14 @@ fn maps_are_exact_for_homogeneous_columns() {
         length_m: length,
         extinction_per_m: |_: f64| sigma,
     };
-    let esm = format!("front=first c={}", sigma * length);
-    for (id, params) in [
-        ("floor", ""),
-        ("esm", esm.as_str()),
-        ("bsm", "front=first"),
-        ("bsm", "front=first mean=all"),
-        ("bsm", "front=first mean=fitted"),
-        ("fom", ""),
-        ("fom", "order=7 window=fejer"),
-        ("fom", "order=5 bounds=texel form=published"),
-    ] {
+    let maps = REGISTRY.iter().map(|m| m.info()).filter(|i| has_map(i.id));
+    let exact = maps.flat_map(|info| {
+        let settings = exact_settings(info, sigma * length).into_iter();
+        settings.map(|params| (info.id, params))
+    });
+    for (id, params) in exact {
         for depth in [0.0, 37.0, 600.0, 1200.0] {
-            let v = mapped(&setup(id, params), &ray, depth);
+            let v = mapped(&setup(id, &params), &ray, depth);
             close(&format!("{id} {params}"), v, (-sigma * depth).exp(), 1e-9);
         }
     }

@@ -6,8 +6,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use occlab::gpu::{
     Defs, Leaf, Program, Scalar, Sources, UniformValue, compose, pack, struct_leaves,
 };
-use occlab::occlusion::param::ParamKind;
 use occlab::occlusion::{MethodSetup, REGISTRY};
+use occlab::param::ParamKind;
 use std::path::Path;
 
 /// Container, density and definitions of a view, as `View` and `DensityField` choose them.
@@ -171,12 +171,38 @@ fn every_option_composes() {
             compose_all(&variant, &around, &flags(&["COUNT"]), true);
         }
     }
-    for order in [1, 2, 7, 15] {
-        for bounds in ["map", "texel"] {
-            let fom = common::setup("fom", &format!("order={order} bounds={bounds}"));
-            compose_all(&fom, &around, &Defs::new(), false);
+}
+
+/// The method with a whole number at either end, a step from it, and between, where the plan makes a definition of it.
+fn structures(setup: &MethodSetup) -> Vec<MethodSetup> {
+    let defs = |setup: &MethodSetup| setup.method.plan(&setup.params).unwrap().defs;
+    let mut all = Vec::new();
+    for spec in setup.method.info().specs() {
+        let ParamKind::Int { min, max, .. } = spec.kind else {
+            continue;
+        };
+        let numbers = [min, min + 1, (min + max) / 2, max];
+        let set = numbers.map(|n| setup.clone().with(spec.name, &n.to_string()).unwrap());
+        if set.iter().any(|other| defs(other) != defs(setup)) {
+            all.extend(set);
         }
     }
+    all
+}
+
+#[test]
+fn every_structure_composes() {
+    let around = fields().pop().unwrap();
+    let mut composed = 0;
+    for setup in methods() {
+        for structure in structures(&setup) {
+            for (_, _, variant) in variants(&structure) {
+                compose_all(&variant, &around, &Defs::new(), false);
+                composed += 1;
+            }
+        }
+    }
+    assert!(composed > 8, "only {composed} were composed");
 }
 
 /// Both passes as WGSL text.

@@ -3,9 +3,9 @@
 #[macro_use]
 mod common;
 
-use common::{box_scene, on_gpu, setup, size};
+use common::{box_scene, has_map, on_gpu, setup, size};
 use occlab::config::{Stability, load_stability, parse_stability};
-use occlab::occlusion::Registry;
+use occlab::occlusion::{REGISTRY, Registry};
 use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
 use occlab::scene::Density;
@@ -206,13 +206,21 @@ fn a_map_of_nothing_is_stored_finite() {
     let scenes = [scene];
     let stored = on_gpu(move |renderer| {
         let view = renderer.view(&scenes[0], size(8, 8)).unwrap();
-        ["esm", "bsm", "fom", "floor"].map(|id| {
+        let maps = REGISTRY
+            .iter()
+            .map(|m| m.info().id)
+            .filter(|id| has_map(id));
+        let stored = maps.map(|id| {
             let setup = setup(id, "resolution=8 storage=f32 steps=16");
             let prepared = renderer.prepare(&view, &setup).unwrap();
             prepared.run(&renderer.gpu, &mut unwatched).unwrap();
             let texels = prepared.map_texels(&renderer.gpu).unwrap();
-            texels.expect("a map").nonfinite()
-        })
+            (id, texels.expect("a map").nonfinite())
+        });
+        stored.collect::<Vec<_>>()
     });
-    assert_eq!(stored, [0; 4]);
+    assert!(
+        stored.len() >= 4 && stored.iter().all(|(_, n)| *n == 0),
+        "{stored:?}"
+    );
 }

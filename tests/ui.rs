@@ -15,7 +15,7 @@ mod window;
 use eframe::egui::{Key, Modifiers, Theme, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use occlab::occlusion::REGISTRY;
-use occlab::occlusion::param::ParamValue;
+use occlab::param::ParamValue;
 use occlab::ui::{App, Mode};
 use std::path::Path;
 use std::time::Instant;

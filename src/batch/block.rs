@@ -18,7 +18,7 @@ use crate::config::{CellSpec, View as MatrixView};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::metrics::{ErrorNumbers, compare};
-use crate::occlusion::{MAP_PARAMS, MethodSetup};
+use crate::occlusion::MethodSetup;
 use crate::progress::unwatched;
 use crate::scene::ImageSize;
 use crate::truth::{Counting, Truth};
@@ -365,12 +365,7 @@ impl<'a> Bench<'a> {
         if setup.method.plan(&setup.params)?.map_values.is_none() {
             return Ok(None);
         }
-        let mut floor = MethodSetup::defaults("floor")?;
-        for spec in MAP_PARAMS {
-            if let Some(value) = setup.params.get(spec.name) {
-                floor.params.set(spec.name, value);
-            }
-        }
+        let floor = setup.uncompressed()?;
         let key = json!(floor.params).to_string();
         if let Some(known) = self.floors.get(&key) {
             return Ok(Some(*known));

@@ -60,7 +60,7 @@ enum Command {
     /// the truths used longest ago are removed. The one just written stays, even where it alone is over the limit.
     Cache(cache::Cache),
     /// List the light-occlusion methods and their parameters.
-    Methods(info::Json),
+    Methods(info::Methods),
     /// List the adapters of this machine.
     Adapters(info::Json),
     /// Write the built-in experiments, scenes and studies to DIR/configs, to be edited. Overwrites nothing.

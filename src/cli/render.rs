@@ -5,7 +5,7 @@ use super::scene::SceneOptions;
 use super::{Device, print_path};
 use occlab::Error;
 use occlab::frame::{Exposure, tone_map, write_frame, write_png};
-use occlab::occlusion::MethodSetup;
+use occlab::occlusion::{MethodSetup, is_truth};
 use occlab::scene::Scene;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -80,9 +80,9 @@ impl Render {
     }
 
     fn setup(&self, scene: &Scene) -> anyhow::Result<MethodSetup> {
-        let mut setup = match self.method.as_str() {
-            "truth" => MethodSetup::truth(scene)?,
-            id => MethodSetup::defaults(id)?,
+        let mut setup = match is_truth(&self.method) {
+            true => MethodSetup::truth(scene)?,
+            false => MethodSetup::defaults(&self.method)?,
         };
         for pair in &self.set {
             let Some((name, value)) = pair.split_once('=') else {

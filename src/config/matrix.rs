@@ -10,7 +10,7 @@ use super::methods::{self, MethodAxes, MethodCatalogue};
 use super::scene_of;
 use super::scenes::{Axis, SceneEntry};
 use crate::error::{Error, Result};
-use crate::occlusion::param::Params;
+use crate::param::Params;
 use crate::scene::{ImageSize, Reconstruct, Scene};
 use serde_json::{Map, Value};
 use std::collections::HashSet;

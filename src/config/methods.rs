@@ -3,7 +3,7 @@
 use super::experiment::{Experiment, MethodEntry};
 use super::{locate, suggest};
 use crate::error::Result;
-use crate::occlusion::param::{ParamSpec, ParamValue, Params};
+use crate::param::{ParamSpec, ParamValue, Params};
 
 /// What the configuration must know of the methods.
 pub trait MethodCatalogue {

@@ -13,7 +13,7 @@ use super::document::{Document, Fault, deserialize};
 use super::methods::MethodCatalogue;
 use super::{locate, matrix, suggest};
 use crate::error::Result;
-use crate::occlusion::param::{ParamSpec, ParamValue, Params};
+use crate::param::{ParamSpec, ParamValue, Params};
 use crate::scene::{ImageSize, Scene};
 use schemars::JsonSchema;
 use serde::Deserialize;

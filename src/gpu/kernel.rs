@@ -2,7 +2,7 @@
 
 use super::context::Gpu;
 use super::lavapipe::uniforms_as_private_copies;
-use super::shader::{Program, compose};
+use super::shader::{Program, Sources, compose};
 use super::uniform::{Leaf, UniformValue, pack, struct_leaves};
 use crate::error::{Error, Result};
 use naga::{
@@ -76,12 +76,17 @@ pub struct Kernel {
 impl Kernel {
     /// Composes and compiles `program`; its only entry point becomes the kernel.
     pub fn new(gpu: &Gpu, program: &Program) -> Result<Self> {
-        Self::compile(gpu, program).map_err(|e| gpu.sources.blame(e))
+        Self::with_sources(gpu, &gpu.sources, program)
     }
 
-    fn compile(gpu: &Gpu, program: &Program) -> Result<Self> {
+    /// The same from other shader texts than the device's own.
+    pub fn with_sources(gpu: &Gpu, sources: &Sources, program: &Program) -> Result<Self> {
+        Self::compile(gpu, sources, program).map_err(|e| sources.blame(e))
+    }
+
+    fn compile(gpu: &Gpu, sources: &Sources, program: &Program) -> Result<Self> {
         let start = Instant::now();
-        let mut module = compose(&gpu.sources, program)?;
+        let mut module = compose(sources, program)?;
         if gpu.info.driver == "llvmpipe" {
             uniforms_as_private_copies(&mut module);
         }

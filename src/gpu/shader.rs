@@ -4,6 +4,7 @@
 //! that every pipeline is specialised and holds no code of a feature its scene or method does not use.
 
 use crate::error::{Error, REPORT, Result};
+pub use crate::shader_defs::Defs;
 use include_dir::{Dir, include_dir};
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue,
@@ -12,9 +13,6 @@ use naga_oil::compose::{
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
-
-/// Shader definitions: `true` for `#ifdef NAME`, a number for `#{NAME}`.
-pub type Defs = BTreeMap<String, Option<i32>>;
 
 /// What to compose.
 #[derive(Clone, Debug)]
@@ -46,12 +44,15 @@ pub struct Sources(BTreeMap<&'static str, Cow<'static, str>>);
 impl Sources {
     /// The files as compiled in.
     pub fn embedded() -> Self {
-        let methods = crate::occlusion::REGISTRY
-            .iter()
-            .map(|m| (m.info().shader, m.info().source));
-        // A method's own text comes with it, wherever its file lies.
-        let all = files(&FILES).into_iter().chain(methods);
+        let all = files(&FILES).into_iter();
         Self(all.map(|(path, text)| (path, text.into())).collect())
+    }
+
+    /// The same with the text of one more file; one that is there already stays as it is.
+    pub fn with(&self, path: &'static str, text: &'static str) -> Self {
+        let mut all = self.clone();
+        all.0.entry(path).or_insert(text.into());
+        all
     }
 
     /// The same files, read from a folder of the same layout: what a development build reloads.

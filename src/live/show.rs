@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::metrics::{compare, difference_picture};
 use crate::occlusion::MethodSetup;
-use crate::occlusion::param::ParamValue;
+use crate::param::ParamValue;
 use crate::progress::unwatched;
 use crate::raymarch::MapTexels;
 use std::collections::HashMap;

@@ -1,10 +1,11 @@
 //! Beer shadow map: front, mean extinction and largest optical depth.
 
-use super::param::{Applies, ParamKind, ParamSpec, Params};
+use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, Front, LookUp, Twin, at_least_zero, smaller};
-use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, MethodInfo, Plan};
+use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, Plan};
 use crate::error::Result;
+use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
 /// See the module.
 pub struct Bsm;
@@ -19,22 +20,56 @@ const PARAMS: &[ParamSpec] = &[
             default: "occupied",
         },
         applies: Applies::Always,
+        as_printed: &[],
     },
     FORM,
     FRONT,
 ];
+
+const TRIALS: Trials = Trials {
+    pictures: &[
+        trial("", "mean=all"),
+        trial("storage=f32", "mean=fitted storage=f32"),
+        trial("mean=all", "mean=fitted"),
+        trial("mean=fitted lookup=hardware", "mean=fitted"),
+        trial("front=first sampling=end", "front=threshold sampling=end"),
+        trial("form=published", "form=stable"),
+        trial("sampling=quadratic", "sampling=midpoint"),
+    ],
+    clouds: &[trial("", "mean=fitted")],
+    texels: &[
+        trial("", "mean=all"),
+        trial("mean=all front=first", "mean=all"),
+        trial("mean=fitted", "mean=occupied"),
+        trial("form=published", "form=published mean=all"),
+    ],
+    // The threshold of the other front leaves out τ = 0.01.
+    exact: &[
+        "front=first",
+        "front=first mean=all",
+        "front=first mean=fitted",
+    ],
+};
 
 impl LightOcclusion for Bsm {
     fn info(&self) -> &'static MethodInfo {
         &MethodInfo {
             id: "bsm",
             title: "Beer shadow map",
+            summary: "Beer shadow map: front, mean extinction, largest optical depth",
+            texel: "3",
+            expect: "Extinction is one mean from the front on: light keeps fading in the gaps between clouds, which darkens at a low sun, and a second deck upsets the mean, most with `mean=fitted`. With `mean=all` light leaks into every cloud.",
             citation: "Hillaire 2020, A Scalable and Production Ready Sky and Atmosphere (Unreal Engine clouds); thesis M, Algorithms 5 and 6",
+            role: Role::Practical,
+            colour: 0xc4501b,
+            marker: Marker::Up,
             shader: "occlusion/bsm.wgsl",
             source: include_str!("../../shaders/occlusion/bsm.wgsl"),
             params: &[MAP_PARAMS, PARAMS],
             monotone: true,
+            bounded: true,
             tolerance: 1e-4,
+            trials: TRIALS,
         }
     }
 
@@ -44,6 +79,15 @@ impl LightOcclusion for Bsm {
             front: Front::new(params)?,
             published: params.choice("form")? == "published",
         })))
+    }
+
+    fn value_names(&self, _params: &Params) -> Result<Vec<String>> {
+        let names = [
+            "front z",
+            "mean extinction × depth",
+            "largest optical depth",
+        ];
+        Ok(names.map(str::to_owned).into())
     }
 
     fn plan(&self, _params: &Params) -> Result<Plan> {

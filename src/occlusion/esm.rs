@@ -1,10 +1,11 @@
 //! Exponential shadow map: one value a texel.
 
-use super::param::{Applies, ParamKind, ParamSpec, Params};
+use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, Front, LookUp, Twin, at_least_zero};
-use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, MethodInfo, Plan};
+use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, Plan};
 use crate::error::Result;
+use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
 /// See the module.
 pub struct Esm;
@@ -20,22 +21,52 @@ const PARAMS: &[ParamSpec] = &[
             default: 11.0,
         },
         applies: Applies::Always,
+        as_printed: &[],
     },
     FORM,
     FRONT,
 ];
+
+const TRIALS: Trials = Trials {
+    pictures: &[
+        trial("", "c=12.1"),
+        trial("storage=f32", "c=12.1 storage=f32"),
+        trial("lookup=nearest", "lookup=blend"),
+        trial("lookup=hardware", "lookup=blend"),
+        trial("form=published c=8", "form=published c=8.8"),
+        trial(
+            "form=published c=80 storage=f32",
+            "form=published c=88 storage=f32",
+        ),
+    ],
+    clouds: &[trial("", "c=12.1")],
+    texels: &[
+        trial("", "front=first"),
+        trial("form=published c=8", "form=published c=8.1"),
+    ],
+    // The threshold of the other front leaves out τ = 0.01.
+    exact: &["front=first c={tau}"],
+};
 
 impl LightOcclusion for Esm {
     fn info(&self) -> &'static MethodInfo {
         &MethodInfo {
             id: "esm",
             title: "Exponential shadow map",
+            summary: "exponential shadow map",
+            texel: "1",
+            expect: "Behind the front the extinction is c over the longest column, whatever the cloud: light leaks deep into dense cloud, most at a low sun, where columns are long. The published form stores values that are not finite, in f16 from c·z = 11.09.",
             citation: "Annen et al. 2008, Exponential Shadow Maps, eq. 3; thesis M, Algorithms 3 and 4",
+            role: Role::Practical,
+            colour: 0x1b9b80,
+            marker: Marker::Square,
             shader: "occlusion/esm.wgsl",
             source: include_str!("../../shaders/occlusion/esm.wgsl"),
             params: &[MAP_PARAMS, PARAMS],
             monotone: true,
+            bounded: false,
             tolerance: 2e-5,
+            trials: TRIALS,
         }
     }
 
@@ -45,6 +76,14 @@ impl LightOcclusion for Esm {
             front: Front::new(params)?,
             published: params.choice("form")? == "published",
         })))
+    }
+
+    fn value_names(&self, params: &Params) -> Result<Vec<String>> {
+        let name = match params.choice("form")? {
+            "published" => "exp(c z)",
+            _ => "front z",
+        };
+        Ok(vec![name.to_owned()])
     }
 
     fn plan(&self, _params: &Params) -> Result<Plan> {

@@ -1,30 +1,56 @@
 //! The floor: an uncompressed column, which shows what the march alone costs.
 
-use super::param::Params;
+use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, LookUp, Twin};
-use super::{LightOcclusion, MAP_PARAMS, MethodInfo, Plan};
+use super::{LightOcclusion, MAP_PARAMS, Plan};
 use crate::error::Result;
+use crate::param::Params;
 
 /// See the module.
 pub struct Floor;
+
+const TRIALS: Trials = Trials {
+    pictures: &[
+        trial("", "sampling=end"),
+        trial("storage=f32", "sampling=end storage=f32"),
+        trial("lookup=hardware", "lookup=nearest"),
+        trial("sampling=end", ""),
+    ],
+    clouds: &[trial("", "sampling=end")],
+    texels: &[trial("", "sampling=end")],
+    exact: &[""],
+};
 
 impl LightOcclusion for Floor {
     fn info(&self) -> &'static MethodInfo {
         &MethodInfo {
             id: "floor",
             title: "Uncompressed column",
+            summary: "the uncompressed column: the error no map of these steps and texels can go below",
+            texel: "n",
+            expect: "Only what steps and texels cost: shadows blurred to a texel, cloud between two steps missed. A value for every step is the memory that the other maps avoid.",
             citation: "Lokovic & Veach 2000, Deep Shadow Maps, sect. 3 (before compression)",
+            role: Role::Floor,
+            colour: 0xdba11c,
+            marker: Marker::Plus,
             shader: "occlusion/floor.wgsl",
             source: include_str!("../../shaders/occlusion/floor.wgsl"),
             params: &[MAP_PARAMS],
             monotone: true,
+            bounded: false,
             tolerance: 2e-5,
+            trials: TRIALS,
         }
     }
 
     fn oracle(&self, _params: &Params) -> Result<Twin> {
         Ok(Twin::Map(Box::new(Cumulative)))
+    }
+
+    fn value_names(&self, params: &Params) -> Result<Vec<String>> {
+        let steps = 1..=params.int("steps")?;
+        Ok(steps.map(|k| format!("τ after step {k}")).collect())
     }
 
     fn plan(&self, params: &Params) -> Result<Plan> {

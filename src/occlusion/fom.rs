@@ -1,11 +1,12 @@
 //! Fourier opacity map: extinction along a column as a truncated Fourier series.
 
-use super::param::{Applies, ParamKind, ParamSpec, Params};
+use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, LookUp, Twin, at_least_zero};
-use super::{FORM, LightOcclusion, MAP_PARAMS, MethodInfo, Plan};
+use super::{FORM, LightOcclusion, MAP_PARAMS, Plan};
 use crate::error::Result;
-use crate::gpu::Defs;
+use crate::param::{Applies, AsPrinted, ParamKind, ParamSpec, Params};
+use crate::shader_defs::Defs;
 use std::f64::consts::{PI, TAU};
 
 /// See the module.
@@ -22,6 +23,7 @@ const PARAMS: &[ParamSpec] = &[
             default: 3,
         },
         applies: Applies::Always,
+        as_printed: &[],
     },
     ParamSpec {
         name: "window",
@@ -32,6 +34,7 @@ const PARAMS: &[ParamSpec] = &[
             default: "none",
         },
         applies: Applies::Always,
+        as_printed: &[],
     },
     ParamSpec {
         name: "bounds",
@@ -42,11 +45,12 @@ const PARAMS: &[ParamSpec] = &[
             default: "map",
         },
         applies: Applies::Always,
+        as_printed: &[],
     },
     ParamSpec {
         name: "sines",
         unit: "",
-        doc: "Sine coefficients of the look-up: each harmonic's own, or the first one in every harmonic, which reproduces a misprint (thesis M, Algorithm 8).",
+        doc: "Sine coefficients of the look-up: each harmonic's own.",
         kind: ParamKind::Choice {
             options: &["own", "first"],
             default: "own",
@@ -55,31 +59,75 @@ const PARAMS: &[ParamSpec] = &[
             of: "order",
             min: 2,
         },
+        as_printed: &[AsPrinted {
+            option: "first",
+            doc: "the first coefficient in every harmonic, a misprint (thesis M, Algorithm 8)",
+        }],
     },
     ParamSpec {
         name: "step_length",
         unit: "",
-        doc: "What a step weighs: its own length, or one metre, which reproduces a misprint (thesis M, Algorithm 7, sums without it).",
+        doc: "Weight of a step in the sums: its own length.",
         kind: ParamKind::Choice {
             options: &["own", "metre"],
             default: "own",
         },
         applies: Applies::Always,
+        as_printed: &[AsPrinted {
+            option: "metre",
+            doc: "one metre, a misprint (thesis M, Algorithm 7: the sums lack the length)",
+        }],
     },
     FORM,
 ];
+
+const TRIALS: Trials = Trials {
+    pictures: &[
+        trial("", "order=4"),
+        trial("storage=f32", "order=4 storage=f32"),
+        trial("bounds=texel", "bounds=map"),
+        trial("order=7 window=lanczos", "order=7"),
+        trial("sampling=quadratic", "sampling=end"),
+        trial("sines=first", "sines=own"),
+        trial("step_length=metre", "step_length=own"),
+        trial(
+            "order=5 window=fejer lookup=hardware",
+            "order=5 window=lanczos lookup=hardware",
+        ),
+        trial("form=published lookup=nearest", "form=published"),
+    ],
+    clouds: &[trial("", "order=5")],
+    texels: &[
+        trial("", "sampling=end"),
+        trial("bounds=texel order=5", "bounds=texel order=5 sampling=end"),
+        trial("form=published", "form=published sampling=end"),
+    ],
+    exact: &[
+        "",
+        "order=7 window=fejer",
+        "order=5 bounds=texel form=published",
+    ],
+};
 
 impl LightOcclusion for Fom {
     fn info(&self) -> &'static MethodInfo {
         &MethodInfo {
             id: "fom",
             title: "Fourier opacity map",
+            summary: "Fourier opacity map of order n",
+            texel: "2n + 1",
+            expect: "The series rings around thin, dense cloud: shadow begins before it, which darkens at a low sun, and behind it the optical depth is off by up to a fifth, so that T rises with depth. More harmonics and `bounds=texel` help, for more bytes.",
             citation: "Jansen & Bavoil 2010, Fourier Opacity Mapping, eqs. 6–9; thesis M, Algorithms 7 and 8",
+            role: Role::Practical,
+            colour: 0x8f2a7c,
+            marker: Marker::Diamond,
             shader: "occlusion/fom.wgsl",
             source: include_str!("../../shaders/occlusion/fom.wgsl"),
             params: &[MAP_PARAMS, PARAMS],
             monotone: false,
+            bounded: false,
             tolerance: 2e-5,
+            trials: TRIALS,
         }
     }
 
@@ -92,6 +140,16 @@ impl LightOcclusion for Fom {
             metre: params.choice("step_length")? == "metre",
             published: params.choice("form")? == "published",
         })))
+    }
+
+    fn value_names(&self, params: &Params) -> Result<Vec<String>> {
+        let harmonic = |k: u32| [format!("a{k}"), format!("b{k}")];
+        let mut names = vec!["a0".to_owned()];
+        names.extend((1..=params.int("order")?).flat_map(harmonic));
+        if params.choice("bounds")? == "texel" {
+            names.extend(["near bound", "far bound"].map(str::to_owned));
+        }
+        Ok(names)
     }
 
     fn plan(&self, params: &Params) -> Result<Plan> {

@@ -10,9 +10,11 @@
 //!
 //! Numeric parameters are members of the file's `Params` uniform (or of the shared `Map`), choices are shader
 //! definitions `NAME_OPTION`. The Rust file also holds the method's f64 [`Twin`], written from the equations: what the
-//! oracle runs. A new method is one Rust file, one WGSL file and one line of [`REGISTRY`].
+//! oracle runs. A new method is one Rust file, one WGSL file, and here its `mod` and its line of [`REGISTRY`]: lists, tables,
+//! colours, menus and tests are made from what its [`MethodInfo`] says.
 
-pub mod param;
+mod info;
+mod map_params;
 pub mod rounding;
 pub mod twin;
 
@@ -27,11 +29,14 @@ mod tests;
 mod truth;
 
 pub use fom::thickness_of_opacity;
+pub use info::{Marker, MethodInfo, Role, Trial, Trials, trial};
+pub use map_params::MAP_PARAMS;
+use map_params::{FORM, FRONT};
 
 use crate::error::{Error, Result};
-use crate::gpu::Defs;
+use crate::param::{ParamSpec, ParamValue, Params};
 use crate::scene::Scene;
-use param::{Applies, ParamKind, ParamSpec, ParamValue, Params};
+use crate::shader_defs::Defs;
 use twin::Twin;
 
 /// Every strategy, in the order of menus and charts.
@@ -44,28 +49,6 @@ pub const REGISTRY: &[&dyn LightOcclusion] = &[
     &none::None,
     &truth::Truth,
 ];
-
-/// What a method is.
-#[derive(Clone, Copy, Debug)]
-pub struct MethodInfo {
-    /// Short name in JSON, on the command line and in reports.
-    pub id: &'static str,
-    /// Full name.
-    pub title: &'static str,
-    /// Paper, year, equation.
-    pub citation: &'static str,
-    /// Path of its WGSL file below `shaders/`.
-    pub shader: &'static str,
-    /// Text of that file.
-    pub source: &'static str,
-    /// Parameter lists; together they are the method's parameters.
-    pub params: &'static [&'static [ParamSpec]],
-    /// V never increases with depth along a light column (with look-up `nearest` and form `stable`).
-    pub monotone: bool,
-    /// Largest relative RMSE between a picture's sunlight on a device and by the oracle, at the same parameters, with
-    /// storage rounding emulated and nothing filtered by hardware. What it is made of: `tests/oracle_gpu.rs`.
-    pub tolerance: f64,
-}
 
 /// What a method needs at given parameters.
 #[derive(Clone, Debug, Default)]
@@ -86,6 +69,11 @@ pub trait LightOcclusion: Sync {
         Ok(Plan::default())
     }
 
+    /// Names of a texel's values at `params`, in their order; a method without a map has none.
+    fn value_names(&self, _params: &Params) -> Result<Vec<String>> {
+        Ok(Vec::new())
+    }
+
     /// Its f64 twin at `params`.
     fn oracle(&self, params: &Params) -> Result<Twin>;
 
@@ -95,84 +83,6 @@ pub trait LightOcclusion: Sync {
         Ok(64.0)
     }
 }
-
-/// Parameters every map shares.
-pub const MAP_PARAMS: &[ParamSpec] = &[
-    ParamSpec {
-        name: "resolution",
-        unit: "texels",
-        doc: "Edge of the square map.",
-        kind: ParamKind::Int {
-            min: 1,
-            max: 65536,
-            default: 512,
-        },
-        applies: Applies::Always,
-    },
-    ParamSpec {
-        name: "steps",
-        unit: "",
-        doc: "Samples a map column takes over its own length inside the layer.",
-        kind: ParamKind::Int {
-            min: 1,
-            max: 1000,
-            default: 100,
-        },
-        applies: Applies::Always,
-    },
-    ParamSpec {
-        name: "storage",
-        unit: "",
-        doc: "Bits of a stored value: half or single precision.",
-        kind: ParamKind::Choice {
-            options: &["f16", "f32"],
-            default: "f16",
-        },
-        applies: Applies::Always,
-    },
-    ParamSpec {
-        name: "lookup",
-        unit: "",
-        doc: "nearest: one texel; hardware: stored values interpolated by the sampler; blend: T of four texels, interpolated.",
-        kind: ParamKind::Choice {
-            options: &["nearest", "hardware", "blend"],
-            default: "blend",
-        },
-        applies: Applies::Always,
-    },
-    ParamSpec {
-        name: "sampling",
-        unit: "",
-        doc: "Where a step is sampled: its midpoint, or its far end as in thesis M. quadratic reproduces a misprint (thesis M, Algorithm 7): step k of n is sampled at k(k+1)/(n(n−1)) of the column but counts at k/n.",
-        kind: ParamKind::Choice {
-            options: &["midpoint", "end", "quadratic"],
-            default: "midpoint",
-        },
-        applies: Applies::Always,
-    },
-];
-
-const FRONT: ParamSpec = ParamSpec {
-    name: "front",
-    unit: "",
-    doc: "Where a column's cloud begins: threshold = T first falls below 0.99 (thesis M), first = near edge of the first occupied step.",
-    kind: ParamKind::Choice {
-        options: &["threshold", "first"],
-        default: "threshold",
-    },
-    applies: Applies::Always,
-};
-
-const FORM: ParamSpec = ParamSpec {
-    name: "form",
-    unit: "",
-    doc: "stable = cannot overflow; published = the formula as printed, kept to show where it fails.",
-    kind: ParamKind::Choice {
-        options: &["stable", "published"],
-        default: "stable",
-    },
-    applies: Applies::Always,
-};
 
 /// A method with a complete set of parameters, those that do not apply included: uniforms hold them all.
 #[derive(Clone)]
@@ -195,13 +105,6 @@ impl std::fmt::Debug for MethodSetup {
     }
 }
 
-impl MethodInfo {
-    /// All parameters.
-    pub fn specs(&self) -> impl Iterator<Item = &'static ParamSpec> {
-        self.params.iter().copied().flatten()
-    }
-}
-
 /// The registered method `id`; the error lists what exists.
 pub fn find(id: &str) -> Result<&'static dyn LightOcclusion> {
     let found = REGISTRY.iter().find(|m| m.info().id == id).copied();
@@ -216,6 +119,17 @@ fn ids() -> impl Iterator<Item = &'static str> {
     REGISTRY.iter().map(|m| m.info().id)
 }
 
+/// The registered method that plays a role.
+pub fn playing(role: Role) -> Result<&'static dyn LightOcclusion> {
+    let found = REGISTRY.iter().find(|m| m.info().role == role).copied();
+    found.ok_or_else(|| Error::defect("registry", format!("no method has the role {role:?}")))
+}
+
+/// Whether `id` is that of the truth.
+pub fn is_truth(id: &str) -> bool {
+    find(id).is_ok_and(|method| method.info().is_truth())
+}
+
 fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
     match names.collect::<Vec<_>>().join(", ") {
         none if none.is_empty() => "It has none.".to_owned(),
@@ -226,11 +140,24 @@ fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
 impl MethodSetup {
     /// The method at its defaults.
     pub fn defaults(id: &str) -> Result<Self> {
-        let method = find(id)?;
-        Ok(Self {
-            method,
-            params: Params::defaults(method.info().specs()),
-        })
+        find(id).map(Self::new)
+    }
+
+    /// A method at its defaults, registered or not.
+    pub fn new(method: &'static dyn LightOcclusion) -> Self {
+        let params = Params::defaults(method.info().specs());
+        Self { method, params }
+    }
+
+    /// The map at its own steps, texels, storage and look-up, with nothing compressed.
+    pub fn uncompressed(&self) -> Result<Self> {
+        let mut floor = Self::new(playing(Role::Floor)?);
+        for spec in floor.method.info().specs() {
+            if let Some(value) = self.params.get(spec.name) {
+                floor.params.set(spec.name, value);
+            }
+        }
+        Ok(floor)
     }
 
     /// A method at recorded or listed values; all others have their defaults.
@@ -251,7 +178,7 @@ impl MethodSetup {
     /// The truth of `scene`, with the light step that its shape asks for.
     pub fn truth(scene: &Scene) -> Result<Self> {
         let step_m = scene.truth_step_m();
-        let setup = Self::defaults("truth")?.with("step_m", &step_m.to_string());
+        let setup = Self::new(playing(Role::Truth)?).with("step_m", &step_m.to_string());
         setup.map_err(|_| {
             let place = format!("scene `{}`, at /container/box", scene.name);
             let problem =

@@ -1,9 +1,10 @@
 //! No occlusion: V = 1.
 
-use super::param::Params;
+use super::LightOcclusion;
+use super::info::{Marker, MethodInfo, Role, Trials};
 use super::twin::{LightRay, March, Twin};
-use super::{LightOcclusion, MethodInfo};
 use crate::error::Result;
+use crate::param::Params;
 
 /// See the module.
 pub struct None;
@@ -13,12 +14,25 @@ impl LightOcclusion for None {
         &MethodInfo {
             id: "none",
             title: "No occlusion",
+            summary: "V = 1",
+            texel: "–",
+            expect: "Every shadow is missing: clouds look flat and too bright. Its time is that of the view march alone.",
             citation: "V = 1: upper bound of light, cost of the view march alone",
+            role: Role::Unshadowed,
+            colour: 0x9cc8ee,
+            marker: Marker::Cross,
             shader: "occlusion/none.wgsl",
             source: include_str!("../../shaders/occlusion/none.wgsl"),
             params: &[],
             monotone: true,
+            bounded: false,
             tolerance: 1e-5,
+            trials: Trials {
+                pictures: &[],
+                clouds: &[],
+                texels: &[],
+                exact: &[],
+            },
         }
     }
 

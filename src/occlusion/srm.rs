@@ -1,9 +1,10 @@
 //! Secondary march: a few samples from every view sample toward the sun.
 
-use super::param::{Applies, ParamKind, ParamSpec, Params};
+use super::LightOcclusion;
+use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::twin::{LightRay, March, Twin, march};
-use super::{LightOcclusion, MethodInfo};
 use crate::error::Result;
+use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
 /// See the module.
 pub struct Srm;
@@ -19,6 +20,7 @@ const PARAMS: &[ParamSpec] = &[
             default: 10,
         },
         applies: Applies::Always,
+        as_printed: &[],
     },
     ParamSpec {
         name: "spacing",
@@ -29,6 +31,7 @@ const PARAMS: &[ParamSpec] = &[
             default: "quadratic",
         },
         applies: Applies::Always,
+        as_printed: &[],
     },
     ParamSpec {
         name: "reach_m",
@@ -43,6 +46,7 @@ const PARAMS: &[ParamSpec] = &[
             of: "spacing",
             is: &["uniform_reach"],
         },
+        as_printed: &[],
     },
     ParamSpec {
         name: "sampling",
@@ -53,20 +57,49 @@ const PARAMS: &[ParamSpec] = &[
             default: "midpoint",
         },
         applies: Applies::Always,
+        as_printed: &[],
     },
 ];
+
+const TRIALS: Trials = Trials {
+    pictures: &[
+        trial("", "steps=9"),
+        trial("spacing=uniform steps=20", "spacing=uniform steps=18"),
+        trial(
+            "spacing=uniform_reach reach_m=300",
+            "spacing=uniform_reach reach_m=330",
+        ),
+        trial("spacing=exponential steps=6", "spacing=exponential steps=7"),
+        trial("sampling=end", "sampling=midpoint"),
+        trial("sampling=jittered", "sampling=midpoint"),
+    ],
+    clouds: &[
+        trial("", "steps=9"),
+        trial("sampling=jittered", "sampling=midpoint"),
+    ],
+    texels: &[],
+    exact: &[""],
+};
 
 impl LightOcclusion for Srm {
     fn info(&self) -> &'static MethodInfo {
         &MethodInfo {
             id: "srm",
             title: "Secondary ray march",
+            summary: "marches 1–1000 samples toward the sun; spacing uniform, quadratic, exponential or of fixed reach",
+            texel: "–",
+            expect: "Cloud between two samples is missed, so light leaks, most at a low sun, where light rays are long. More steps lower the error and raise the time.",
             citation: "Harris & Lastra 2001, Real-Time Cloud Rendering; Schneider & Vos 2015; thesis M, Algorithm 2",
+            role: Role::Practical,
+            colour: 0x173a8f,
+            marker: Marker::Circle,
             shader: "occlusion/srm.wgsl",
             source: include_str!("../../shaders/occlusion/srm.wgsl"),
             params: &[PARAMS],
             monotone: false,
+            bounded: false,
             tolerance: 1e-5,
+            trials: TRIALS,
         }
     }
 

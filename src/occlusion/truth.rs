@@ -1,19 +1,33 @@
 //! The ground truth: a secondary march of constant small steps.
 
-use super::param::{Applies, ParamKind, ParamSpec, Params};
+use super::LightOcclusion;
+use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::twin::{LightRay, March, OPAQUE_TAU, Twin};
-use super::{LightOcclusion, MethodInfo};
 use crate::error::Result;
+use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
 /// See the module.
 pub struct Truth;
+
+const TRIALS: Trials = Trials {
+    pictures: &[trial("step_m=2", "step_m=40")],
+    clouds: &[trial("step_m=10", "step_m=300")],
+    texels: &[],
+    exact: &[""],
+};
 
 impl LightOcclusion for Truth {
     fn info(&self) -> &'static MethodInfo {
         &MethodInfo {
             id: "truth",
             title: "Ground truth",
+            summary: "constant 10 m steps to the end of the layer",
+            texel: "–",
+            expect: "Nothing, but it takes far too long for a frame. In the shipped scenes steps of 2.5 m change it by a rel_rmse of 0.001 to 0.003.",
             citation: "Secondary march of 1000 × 10 m or to the layer's exit (comparison thesis 2023, ch. 4)",
+            role: Role::Truth,
+            colour: 0x000000,
+            marker: Marker::Star,
             shader: "occlusion/truth.wgsl",
             source: include_str!("../../shaders/occlusion/truth.wgsl"),
             params: &[&[ParamSpec {
@@ -26,9 +40,12 @@ impl LightOcclusion for Truth {
                     default: 10.0,
                 },
                 applies: Applies::Always,
+                as_printed: &[],
             }]],
             monotone: true,
+            bounded: false,
             tolerance: 2e-5,
+            trials: TRIALS,
         }
     }
 

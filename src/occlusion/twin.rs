@@ -3,9 +3,9 @@
 //! A twin sees light rays and columns, no scene: it can be asked about any extinction a caller makes up. NaN passes
 //! through every twin, so that a form that fails is seen to fail.
 
-use super::param::Params;
 use super::rounding::Rounding;
 use crate::error::Result;
+use crate::param::Params;
 
 /// Optical depth behind which nothing can change an f64 sum of order 1: 53 ln 2.
 pub const OPAQUE_TAU: f64 = 36.736_800_569_677_1;

@@ -21,9 +21,10 @@ pub use view::View;
 use crate::density::DensityField;
 use crate::error::Result;
 use crate::gpu::{ClockWatch, Defs, Gpu, Kernel, Program, Sources};
-use crate::occlusion::MethodSetup;
+use crate::occlusion::{MethodInfo, MethodSetup};
 use crate::scene::ImageSize;
 use crate::scene::Scene;
+use std::borrow::Cow;
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -38,6 +39,8 @@ pub struct Renderer {
     /// How passes of methods prepared from now on are cut.
     pub tiling: Tiling,
     kernels: RefCell<HashMap<KernelKey, Rc<Kernel>>>,
+    /// Shaders of methods that are not among the device's, by path.
+    method_texts: RefCell<HashMap<&'static str, &'static str>>,
     /// The last density field: consecutive views often differ in sun or image size alone.
     density: RefCell<Option<(String, Rc<DensityField>)>>,
     clock_watch: OnceCell<ClockWatch>,
@@ -53,6 +56,7 @@ impl Renderer {
             gpu,
             tiling: Tiling::BATCH,
             kernels: RefCell::default(),
+            method_texts: RefCell::default(),
             density: RefCell::default(),
             clock_watch: OnceCell::new(),
         }
@@ -84,6 +88,14 @@ impl Renderer {
         })
     }
 
+    /// Makes the shader of a method known, which may come from elsewhere than the program's own files.
+    fn take_shader(&self, method: &MethodInfo) {
+        if self.gpu.sources.text(method.shader).is_err() {
+            let mut texts = self.method_texts.borrow_mut();
+            texts.insert(method.shader, method.source);
+        }
+    }
+
     /// The compiled kernel of a program, from the cache when it was compiled before.
     fn kernel(&self, program: &Program) -> Result<Rc<Kernel>> {
         let roles = program
@@ -95,7 +107,14 @@ impl Renderer {
         if let Some(kernel) = self.kernels.borrow().get(&key) {
             return Ok(kernel.clone());
         }
-        let kernel = Rc::new(Kernel::new(&self.gpu, program)?);
+        let texts = self.method_texts.borrow();
+        let mut files = program.roles.iter().map(|(_, file)| *file);
+        let sources = match files.find_map(|file| texts.get_key_value(file)) {
+            Some((path, text)) => Cow::Owned(self.gpu.sources.with(path, text)),
+            None => Cow::Borrowed(&self.gpu.sources),
+        };
+        let kernel = Kernel::with_sources(&self.gpu, &sources, program)?;
+        let kernel = Rc::new(kernel);
         self.kernels.borrow_mut().insert(key, kernel.clone());
         Ok(kernel)
     }

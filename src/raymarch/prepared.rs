@@ -9,7 +9,7 @@ use crate::cost::{Counts, Memory, PassTimes, Samples};
 use crate::error::{Error, Result};
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, Program, UniformValue, read_buffer};
 use crate::occlusion::MethodSetup;
-use crate::occlusion::param::ParamValue;
+use crate::param::ParamValue;
 use crate::progress::Progress;
 use std::rc::Rc;
 use std::time::Instant;
@@ -54,6 +54,7 @@ impl Prepared {
         let mut inputs = Inputs::default();
         inputs.uniform("params", numeric_params(setup));
         let info = setup.method.info();
+        renderer.take_shader(info);
         let mut memory = Memory::default();
         let map = match plan.map_values {
             None => None,

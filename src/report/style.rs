@@ -1,28 +1,9 @@
-//! One colour and one marker for a method, everywhere. Colours differ in lightness too (CIE L* from 0 to 79 in steps of
-//! at least 8), so that charts survive a grey printer and colour-blind eyes; the marker's shape says it a third time.
+//! One colour and one marker for a method, everywhere: those that it declares. Where two colours print as the same grey
+//! (CIE L* less than 8 apart), the markers differ, so that charts survive a grey printer and colour-blind eyes.
 
-/// Shape of a marker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Marker {
-    /// Disc.
-    Circle,
-    /// Square.
-    Square,
-    /// Triangle, tip up.
-    Up,
-    /// Triangle, tip down.
-    Down,
-    /// Square on its corner.
-    Diamond,
-    /// Upright cross.
-    Plus,
-    /// Diagonal cross.
-    Cross,
-    /// Star with five points.
-    Star,
-    /// Hexagon.
-    Hexagon,
-}
+pub use crate::occlusion::Marker;
+
+use crate::occlusion;
 
 /// How a method is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,17 +13,6 @@ pub struct Style {
     /// Shape of its points.
     pub marker: Marker,
 }
-
-/// The methods that come with the program.
-const KNOWN: [(&str, Style); 7] = [
-    ("truth", style(0x000000, Marker::Star)),
-    ("srm", style(0x173a8f, Marker::Circle)),
-    ("fom", style(0x8f2a7c, Marker::Diamond)),
-    ("bsm", style(0xc4501b, Marker::Up)),
-    ("esm", style(0x1b9b80, Marker::Square)),
-    ("floor", style(0xdba11c, Marker::Plus)),
-    ("none", style(0x9cc8ee, Marker::Cross)),
-];
 
 /// A style from `0xrrggbb` and a shape.
 const fn style(rgb: u32, marker: Marker) -> Style {
@@ -72,10 +42,12 @@ const SHAPES: [Marker; 9] = [
 ];
 
 impl Style {
-    /// The style of a method id: fixed for the known ids, by a stable hash for others.
+    /// The style of a method id: what a registered method says, by a stable hash for others, which a report of another
+    /// program may hold.
     pub fn of(method: &str) -> Self {
-        if let Some((_, style)) = KNOWN.iter().find(|(id, _)| *id == method) {
-            return *style;
+        if let Ok(known) = occlusion::find(method) {
+            let info = known.info();
+            return style(info.colour, info.marker);
         }
         let slot = fnv1a(method) as usize % (OTHERS.len() * SHAPES.len());
         style(OTHERS[slot % OTHERS.len()], SHAPES[slot % SHAPES.len()])
@@ -95,19 +67,19 @@ fn fnv1a(text: &str) -> u64 {
     })
 }
 
-impl Marker {
-    /// Corners around (0, 0) for a marker about `r` in radius; `None` for the disc.
-    pub fn corners(self, r: f64) -> Option<Vec<(f64, f64)>> {
-        Some(match self {
-            Self::Circle => return None,
-            Self::Square => ring(4, 45.0, [1.25 * r; 2]),
-            Self::Diamond => ring(4, 0.0, [1.4 * r; 2]),
-            Self::Up => ring(3, -90.0, [1.4 * r; 2]),
-            Self::Down => ring(3, 90.0, [1.4 * r; 2]),
-            Self::Hexagon => ring(6, 0.0, [1.15 * r; 2]),
-            Self::Star => ring(10, -90.0, [1.5 * r, 0.65 * r]),
-            Self::Plus => cross(r, 0.0),
-            Self::Cross => cross(r, 45.0),
+impl Style {
+    /// Corners around (0, 0) for its marker about `r` in radius; `None` for the disc.
+    pub fn corners(&self, r: f64) -> Option<Vec<(f64, f64)>> {
+        Some(match self.marker {
+            Marker::Circle => return None,
+            Marker::Square => ring(4, 45.0, [1.25 * r; 2]),
+            Marker::Diamond => ring(4, 0.0, [1.4 * r; 2]),
+            Marker::Up => ring(3, -90.0, [1.4 * r; 2]),
+            Marker::Down => ring(3, 90.0, [1.4 * r; 2]),
+            Marker::Hexagon => ring(6, 0.0, [1.15 * r; 2]),
+            Marker::Star => ring(10, -90.0, [1.5 * r, 0.65 * r]),
+            Marker::Plus => cross(r, 0.0),
+            Marker::Cross => cross(r, 45.0),
         })
     }
 }
@@ -165,15 +137,29 @@ mod tests {
         }
     }
 
+    fn known() -> impl Iterator<Item = (&'static str, Style)> {
+        let methods = occlusion::REGISTRY.iter().map(|m| m.info());
+        methods.map(|info| (info.id, Style::of(info.id)))
+    }
+
+    /// Largest difference of two colours in a channel.
+    fn apart(a: Style, b: Style) -> u8 {
+        let channels = |s: Style| [s.rgb.0, s.rgb.1, s.rgb.2];
+        let pairs = channels(a).into_iter().zip(channels(b));
+        pairs.map(|(a, b)| a.abs_diff(b)).max().unwrap()
+    }
+
     #[test]
     fn known_methods_differ_in_lightness_and_shape() {
-        for (i, (a, sa)) in KNOWN.iter().enumerate() {
-            for (b, sb) in &KNOWN[i + 1..] {
+        let all: Vec<_> = known().collect();
+        for (i, (a, sa)) in all.iter().enumerate() {
+            for (b, sb) in &all[i + 1..] {
+                let steps = (lightness(sa.rgb) - lightness(sb.rgb)).abs();
                 assert!(
-                    (lightness(sa.rgb) - lightness(sb.rgb)).abs() >= 8.0,
-                    "{a} and {b} print as the same grey"
+                    steps >= 8.0 || sa.marker != sb.marker,
+                    "{a} and {b} print as the same grey and share a marker"
                 );
-                assert_ne!(sa.marker, sb.marker, "{a} and {b} share a marker");
+                assert!(apart(*sa, *sb) >= 32, "{a} and {b} have the same colour");
             }
         }
     }
@@ -182,10 +168,6 @@ mod tests {
     fn unknown_methods_keep_their_style() {
         assert_eq!(Style::of("my_method"), Style::of("my_method"));
         assert_ne!(Style::of("my_method"), Style::of("another"));
-        assert!(
-            KNOWN
-                .iter()
-                .all(|(_, s)| s.rgb != Style::of("my_method").rgb)
-        );
+        assert!(known().all(|(_, s)| s.rgb != Style::of("my_method").rgb));
     }
 }

@@ -4,8 +4,8 @@ use super::record::Setting;
 use crate::config::{Extreme, VolumeFile};
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
-use crate::occlusion::param::{ParamKind, ParamSpec, ParamValue};
 use crate::occlusion::{MethodSetup, REGISTRY};
+use crate::param::{ParamKind, ParamSpec, ParamValue};
 use npyz::WriterBuilder;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -58,7 +58,7 @@ pub fn setup(
             setup.params.set(name, *value);
         }
     }
-    if setting.method == "truth" {
+    if setup.method.info().is_truth() {
         setup.params.set("step_m", ParamValue::Float(truth_step_m));
     }
     for (name, option) in CHOICES

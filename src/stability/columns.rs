@@ -138,13 +138,7 @@ fn rises_as_documented(
         return Ok(false);
     }
     // The same texels, uncompressed and exact: the column's τ as this map samples and interpolates it.
-    let mut floor = MethodSetup::defaults("floor")?;
-    for spec in floor.method.info().specs() {
-        if let Some(value) = setup.params.get(spec.name) {
-            floor.params.set(spec.name, value);
-        }
-    }
-    let floor = oracle.prepare(&floor, Options::default())?;
+    let floor = oracle.prepare(&setup.uncompressed()?, Options::default())?;
     let inside = |(probe, curve): (&Probe, &Vec<f64>)| {
         let least = floor.behind(&probe.column).powf(OVERSHOOT) - TOLERANCE;
         curve.iter().all(|t| *t >= least)

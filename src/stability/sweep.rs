@@ -9,8 +9,9 @@ use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::frame::atomic::write_atomic;
-use crate::occlusion::MethodSetup;
+
 use crate::occlusion::rounding::Rounding;
+use crate::occlusion::{MethodSetup, Role, playing};
 use crate::oracle::{Options, Oracle};
 use crate::provenance::cell_sources;
 use crate::raymarch::Renderer;
@@ -220,6 +221,7 @@ fn device_pictures(
 
 /// The oracle's picture of the truth.
 fn reference(oracle: &Oracle, scene: &Scene) -> Result<Frame> {
-    let setup = MethodSetup::defaults("truth")?.with("step_m", &truth_step_m(scene).to_string())?;
+    let truth = MethodSetup::new(playing(Role::Truth)?);
+    let setup = truth.with("step_m", &truth_step_m(scene).to_string())?;
     oracle.render(&setup, Options::default())
 }

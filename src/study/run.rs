@@ -8,7 +8,7 @@ use crate::backend::Backend;
 use crate::batch::{self, lock::Lock, record::Report};
 use crate::config::{CellSpec, Experiment, Matrix, Study, Test, View, expand};
 use crate::error::Result;
-use crate::occlusion::Registry;
+use crate::occlusion::{Registry, is_truth};
 use crate::scene::{Reconstruct, Track};
 use crate::truth::TruthCache;
 use serde_json::{Value, json};
@@ -106,10 +106,10 @@ fn view_samples(view: &View) -> f64 {
 fn cell_samples(view: &View, cell: &CellSpec, share: f64) -> f64 {
     let number = |name| cell.params.int(name).map_or(0.0, f64::from);
     let look_ups = share * view_samples(view);
-    match (cell.method.as_str(), number("resolution")) {
-        ("truth", _) => look_ups * TRUTH_SAMPLES,
-        (_, 0.0) => look_ups * number("steps").max(1.0),
-        (_, texels) => look_ups + texels * texels * number("steps"),
+    match number("resolution") {
+        _ if is_truth(&cell.method) => look_ups * TRUTH_SAMPLES,
+        0.0 => look_ups * number("steps").max(1.0),
+        texels => look_ups + texels * texels * number("steps"),
     }
 }
 

@@ -145,7 +145,7 @@ impl App {
                 // The grid shows each method as it is set in A or B, else at its defaults; A is there already.
                 let id = method.info().id;
                 let [a, b] = self.state.methods.each_ref();
-                if id == "truth" || id == a.method.info().id {
+                if method.info().is_truth() || id == a.method.info().id {
                     continue;
                 }
                 let own = Some(b).filter(|b| b.method.info().id == id).cloned();

@@ -102,25 +102,12 @@ fn choices(view: &mut MapView, ui: &mut egui::Ui, setup: &MethodSetup, texels: &
         .on_hover_text("Blue is the least finite value, red the largest");
 }
 
-/// Names of the values of a texel, as the methods' own texts call them.
+/// Names of the values of a texel; numbers for those that the method does not name.
 fn names(setup: &MethodSetup, count: usize) -> Vec<String> {
-    let published = setup
-        .params
-        .choice("form")
-        .is_ok_and(|form| form == "published");
-    let name = |i: usize| match (setup.method.info().id, i) {
-        ("esm", 0) if published => "exp(c z)".to_owned(),
-        ("esm" | "bsm", 0) => "front z".to_owned(),
-        ("bsm", 1) => "mean extinction × depth".to_owned(),
-        ("bsm", 2) => "largest optical depth".to_owned(),
-        ("fom", 0) => "a0".to_owned(),
-        ("fom", i) if setup.params.int("order").is_ok_and(|n| i <= 2 * n as usize) => {
-            let letter = if i % 2 == 1 { "a" } else { "b" };
-            format!("{letter}{}", i.div_ceil(2))
-        }
-        _ => format!("value {i}"),
-    };
-    (0..count.max(1)).map(name).collect()
+    let named = setup.method.value_names(&setup.params).unwrap_or_default();
+    let numbered = (named.len()..count.max(1)).map(|i| format!("value {i}"));
+    let named = named.into_iter().take(count);
+    named.chain(numbered).collect()
 }
 
 impl MapView {

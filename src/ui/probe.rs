@@ -52,7 +52,7 @@ fn methods(sides: &[MethodSetup; 2]) -> Vec<(String, MethodSetup)> {
         let id = method.info().id;
         let [a, b] = sides.each_ref().map(|s| s.method.info().id == id);
         match (a, b) {
-            _ if id == "truth" => {}
+            _ if method.info().is_truth() => {}
             (true, true) if sides[0] == sides[1] => {
                 all.push((format!("{id} (A, B)"), sides[0].clone()));
             }

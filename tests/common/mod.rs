@@ -9,7 +9,7 @@ use npyz::WriterBuilder;
 use occlab::cost::Counts;
 use occlab::frame::Frame;
 use occlab::gpu::Gpu;
-use occlab::occlusion::MethodSetup;
+use occlab::occlusion::{MethodInfo, MethodSetup};
 use occlab::progress::unwatched;
 use occlab::raymarch::{Renderer, View};
 use occlab::scene::ImageSize;
@@ -112,6 +112,14 @@ pub fn has_map(id: &str) -> bool {
     let setup = setup(id, "");
     let plan = setup.method.plan(&setup.params).unwrap();
     plan.map_values.is_some()
+}
+
+/// Settings at which a method is exact where the longest column of a homogeneous medium has the optical depth `tau`.
+pub fn exact_settings(info: &MethodInfo, tau: f64) -> Vec<String> {
+    let settings = info.trials.exact.iter();
+    settings
+        .map(|text| text.replace("{tau}", &tau.to_string()))
+        .collect()
 }
 
 /// The method with `params`, and with `map` if it has one.

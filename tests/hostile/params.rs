@@ -2,8 +2,8 @@
 
 use super::damage::{cases, json, text};
 use occlab::gpu::{Leaf, Scalar, UniformValue, pack};
-use occlab::occlusion::param::{ParamKind, ParamSpec, ParamValue};
 use occlab::occlusion::{MethodSetup, REGISTRY};
+use occlab::param::{ParamKind, ParamSpec, ParamValue};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;

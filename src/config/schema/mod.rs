@@ -5,7 +5,7 @@ mod study;
 use super::experiment::{MAX_RUNS, default_discard, default_runs};
 use super::methods::MethodCatalogue;
 use super::stability;
-use crate::occlusion::param::{ParamKind, ParamSpec};
+use crate::param::{ParamKind, ParamSpec};
 use crate::scene::{CameraTrack, ImageSize, March, Reconstruct, Scene, Track};
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
@@ -126,7 +126,10 @@ fn param(spec: &ParamSpec) -> Value {
         Some(condition) => format!(" Applies where {condition}."),
         None => String::new(),
     };
-    let mut schema = described(one_or_many(item), &format!("{}{unit}{applies}", spec.doc));
+    let mut schema = described(
+        one_or_many(item),
+        &format!("{}{unit}{applies}", spec.whole_doc()),
+    );
     schema["default"] = default;
     schema
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::occlusion::param::ParamValue;
+use crate::param::ParamValue;
 use crate::scene::{ImageSize, Reconstruct};
 use serde_json::json;
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::occlusion::param::{Applies, ParamKind, ParamSpec};
+use crate::param::{Applies, ParamKind, ParamSpec};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -18,6 +18,7 @@ const STEPS: ParamSpec = ParamSpec {
         default: 6,
     },
     applies: Applies::Always,
+    as_printed: &[],
 };
 const SPACING: ParamSpec = ParamSpec {
     name: "spacing",
@@ -29,6 +30,7 @@ const SPACING: ParamSpec = ParamSpec {
         default: 2.0,
     },
     applies: Applies::Always,
+    as_printed: &[],
 };
 const REACH: ParamSpec = ParamSpec {
     name: "reach",
@@ -43,6 +45,7 @@ const REACH: ParamSpec = ParamSpec {
         of: "lookup",
         is: &["hardware"],
     },
+    as_printed: &[],
 };
 const LOOKUP: ParamSpec = ParamSpec {
     name: "lookup",
@@ -53,6 +56,7 @@ const LOOKUP: ParamSpec = ParamSpec {
         default: "nearest",
     },
     applies: Applies::Always,
+    as_printed: &[],
 };
 
 struct Mock;

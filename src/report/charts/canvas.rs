@@ -185,7 +185,7 @@ impl<DB: DrawingBackend> Surface<DB> {
         } else {
             (color, INK, 1)
         };
-        let Some(corners) = style.marker.corners(r) else {
+        let Some(corners) = style.corners(r) else {
             self.area
                 .draw(&Circle::new(at, r as i32, fill.filled()))
                 .map_err(|e| defect(&e))?;

@@ -14,7 +14,7 @@ pub fn method(id: &str) -> Markup {
 /// A method's marker as a tiny picture, the same as in the charts.
 fn swatch(id: &str) -> PreEscaped<String> {
     let style = Style::of(id);
-    let shape = match style.marker.corners(5.2) {
+    let shape = match style.corners(5.2) {
         None => "<circle r=\"5.2\"/>".to_owned(),
         Some(corners) => {
             let mut points = String::new();

@@ -1,7 +1,7 @@
 //! A method and its parameters, drawn from what the registry declares of them.
 
-use crate::occlusion::param::{ParamKind, ParamSpec, ParamValue};
 use crate::occlusion::{MethodSetup, REGISTRY};
+use crate::param::{ParamKind, ParamSpec, ParamValue};
 use eframe::egui;
 
 /// A drop-down of the registry and a control for each parameter of the chosen method that applies.
@@ -32,12 +32,23 @@ pub fn draw(ui: &mut egui::Ui, title: &str, setup: &mut MethodSetup) {
         .show(ui, |ui| {
             let specs = setup.method.info().specs();
             for spec in specs {
-                if spec.applies_at(&setup.params) {
+                if spec.applies_at(&setup.params) && is_offered(spec, setup) {
                     parameter(ui, title, spec, setup);
                     ui.end_row();
                 }
             }
         });
+}
+
+/// Whether a parameter is shown: not where all that could be chosen is what a source prints, unless it is chosen already.
+fn is_offered(spec: &ParamSpec, setup: &MethodSetup) -> bool {
+    spec.is_everyday() || setup.params.get(spec.name) != Some(spec.default_value())
+}
+
+/// What a menu offers: everyday options, and the present value where it is none of them.
+fn offered(spec: &ParamSpec, value: &'static str) -> impl Iterator<Item = &'static str> {
+    let printed = spec.printed(value).map(|p| p.option);
+    spec.everyday_options().chain(printed)
 }
 
 fn parameter(ui: &mut egui::Ui, title: &str, spec: &'static ParamSpec, setup: &mut MethodSetup) {
@@ -46,7 +57,7 @@ fn parameter(ui: &mut egui::Ui, title: &str, spec: &'static ParamSpec, setup: &m
     };
     let doc = format!(
         "{}\n{}{}, default {}{}",
-        spec.doc,
+        spec.whole_doc(),
         spec.range_text(),
         if spec.unit.is_empty() {
             String::new()
@@ -77,13 +88,13 @@ fn parameter(ui: &mut egui::Ui, title: &str, spec: &'static ParamSpec, setup: &m
                 .on_hover_text(doc);
             ParamValue::Float(v)
         }
-        (ParamValue::Choice(v), ParamKind::Choice { options, .. }) => {
+        (ParamValue::Choice(v), ParamKind::Choice { .. }) => {
             let mut chosen = v;
             egui::ComboBox::from_id_salt((title, spec.name))
                 .selected_text(v)
                 .show_ui(ui, |ui| {
-                    for option in options {
-                        ui.selectable_value(&mut chosen, *option, *option);
+                    for option in offered(spec, v) {
+                        ui.selectable_value(&mut chosen, option, option);
                     }
                 })
                 .response
@@ -110,5 +121,23 @@ fn suffixed<'a>(drag: egui::DragValue<'a>, spec: &ParamSpec) -> egui::DragValue<
         drag
     } else {
         drag.suffix(format!(" {}", spec.unit))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_only_reproduces_a_source_is_offered_where_it_is_chosen_already() {
+        let fom = MethodSetup::defaults("fom").unwrap();
+        let spec = |name: &str| fom.method.info().specs().find(|s| s.name == name).unwrap();
+        let options = |value| offered(spec("sampling"), value).collect::<Vec<_>>();
+        assert_eq!(options("end"), ["midpoint", "end"]);
+        assert_eq!(options("quadratic"), ["midpoint", "end", "quadratic"]);
+        assert!(is_offered(spec("sampling"), &fom) && is_offered(spec("order"), &fom));
+        assert!(!is_offered(spec("sines"), &fom));
+        let printed = fom.clone().with("sines", "first").unwrap();
+        assert!(is_offered(spec("sines"), &printed));
     }
 }

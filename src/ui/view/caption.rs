@@ -1,8 +1,8 @@
 //! What is said over a picture, and in place of one.
 
 use super::Subject;
-use crate::occlusion::param::ParamSpec;
 use crate::occlusion::{MethodSetup, REGISTRY};
+use crate::param::ParamSpec;
 use crate::ui::app::{App, Slot};
 use eframe::egui::{self, Rect};
 

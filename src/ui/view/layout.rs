@@ -4,7 +4,7 @@ use super::caption::{self, A};
 use super::{Mode, Subject, colour_bar, picture};
 use crate::frame::FALSE_COLOUR_STOPS;
 use crate::metrics::DIFF_SCALE;
-use crate::occlusion::REGISTRY;
+use crate::occlusion::{MethodInfo, REGISTRY};
 use crate::scene::ImageSize;
 use crate::ui::app::{App, Slot};
 use eframe::egui::{self, Key, Rect, Role, Sense, pos2, vec2};
@@ -136,16 +136,16 @@ fn step(event: &egui::Event) -> f32 {
 
 /// Subjects of the grid: every method in the order of the registry; A as A.
 fn cells(app: &App) -> Vec<Subject> {
-    let a = app.state.methods[0].method.info().id;
-    let slot = |(i, id)| match id {
-        "truth" => Slot::Truth,
-        id if id == a => A,
+    let a = app.state.methods[0].method.info();
+    let slot = |(i, info): (usize, &MethodInfo)| match info.id {
+        _ if info.is_truth() => Slot::Truth,
+        id if id == a.id => A,
         _ => Slot::Grid(i),
     };
-    let ids = REGISTRY.iter().map(|method| method.info().id);
-    let mut cells: Vec<_> = ids.enumerate().map(slot).map(Subject::Slot).collect();
+    let infos = REGISTRY.iter().map(|method| method.info());
+    let mut cells: Vec<_> = infos.enumerate().map(slot).map(Subject::Slot).collect();
     // The truth may have been chosen as A.
-    if a == "truth" {
+    if a.is_truth() {
         cells.push(Subject::Slot(A));
     }
     cells

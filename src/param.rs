@@ -98,6 +98,18 @@ pub struct ParamSpec {
     pub kind: ParamKind,
     /// Where it has an effect; elsewhere it is neither shown nor recorded.
     pub applies: Applies,
+    /// Options that exist only to show what a source's text as printed does. They are parsed and recorded as the others
+    /// are, but listed apart, and no menu offers them.
+    pub as_printed: &'static [AsPrinted],
+}
+
+/// An option that reproduces a source's formula that fails, or a misprint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AsPrinted {
+    /// One of the options of a choice, not its default.
+    pub option: &'static str,
+    /// What it does and which text prints it: a sentence without its full stop.
+    pub doc: &'static str,
 }
 
 /// A value that satisfied its [`ParamSpec`].
@@ -136,6 +148,35 @@ impl ParamSpec {
     pub fn applies_at(&self, params: &Params) -> bool {
         let deciding = self.applies.decided_by();
         deciding.is_none_or(|of| params.get(of).is_some_and(|value| self.applies.at(value)))
+    }
+
+    /// The options of a choice but those that only reproduce a source; none where it is a number.
+    pub fn everyday_options(&self) -> impl Iterator<Item = &'static str> {
+        let options = match self.kind {
+            ParamKind::Choice { options, .. } => options,
+            _ => &[],
+        };
+        options
+            .iter()
+            .copied()
+            .filter(|o| self.printed(o).is_none())
+    }
+
+    /// Whether there is anything to choose without the options that only reproduce a source.
+    pub fn is_everyday(&self) -> bool {
+        self.as_printed.is_empty() || self.everyday_options().nth(1).is_some()
+    }
+
+    /// What is to say of an option that only reproduces a source.
+    pub fn printed(&self, option: &str) -> Option<&'static AsPrinted> {
+        self.as_printed.iter().find(|p| p.option == option)
+    }
+
+    /// Everything about its options as one text, for readers that show a parameter in one place.
+    pub fn whole_doc(&self) -> String {
+        let printed = self.as_printed.iter();
+        let printed = printed.map(|p| format!(" {}: {}.", p.option, p.doc));
+        printed.fold(self.doc.to_owned(), |doc, more| doc + &more)
     }
 
     /// Range or options as people write them: `1…50`, `nearest | hardware | blend`.
