@@ -60,6 +60,7 @@
 pub mod backend;
 pub mod batch;
 pub mod config;
+pub mod container;
 pub mod cost;
 #[cfg(test)]
 #[path = "../tests/hostile/damage.rs"]
@@ -76,6 +77,7 @@ pub mod occlusion;
 pub mod oracle;
 pub mod param;
 pub mod probe;
+pub mod problem;
 pub mod progress;
 pub mod provenance;
 pub mod raymarch;

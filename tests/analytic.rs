@@ -7,7 +7,7 @@ use common::{
     box_scene, cumulus, henyey_greenstein, pixel_ray, relative_rmse, render, setup, size,
 };
 use glam::DVec3;
-use occlab::scene::{Ambient, Container, Density, Lobe, Scene};
+use occlab::scene::{Ambient, Container, Density, Lobe, Scene, Uniform};
 
 const ISOTROPIC: f64 = 1.0 / (4.0 * std::f64::consts::PI);
 
@@ -360,7 +360,7 @@ fn density_and_extinction_multiply() {
     needs_adapter!();
     let mut scene = box_scene([0.0; 3], [800.0; 3], 0.004);
     let one = render(&scene, size(6, 4), &setup("srm", ""));
-    scene.density = Density::Uniform { value: 2.0 };
+    scene.density = Density::Uniform(Uniform { value: 2.0 });
     scene.medium.extinction_per_m = 0.002;
     assert_eq!(render(&scene, size(6, 4), &setup("srm", "")), one);
 }

@@ -3,18 +3,20 @@
 mod common;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use occlab::density::Density;
 use occlab::gpu::{
     Defs, Leaf, Program, Scalar, Sources, UniformValue, compose, pack, struct_leaves,
 };
 use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::param::ParamKind;
+use std::collections::HashSet;
 use std::path::Path;
 
-/// Container, density and definitions of a view, as `View` and `DensityField` choose them.
+/// Container, density and definitions of a view, as `View` and `DeviceField` choose them.
 #[derive(Clone)]
 struct Surroundings {
     container: &'static str,
-    density: &'static str,
+    density: String,
     defs: Defs,
 }
 
@@ -27,32 +29,31 @@ fn flags(names: &[&str]) -> Defs {
         .collect()
 }
 
-/// Containers × densities × structure of the procedural field.
+/// Containers × kinds of density × their structures.
 fn fields() -> Vec<Surroundings> {
-    let mut all = Vec::new();
-    for container in ["container/shell.wgsl", "container/box.wgsl"] {
-        let mut add = |density, names: &[&str], decks: Option<i32>| {
-            let mut defs = flags(names);
-            defs.extend(decks.map(|n| ("DECKS".to_owned(), Some(n))));
-            all.push(Surroundings {
-                container,
-                density,
-                defs,
-            });
-        };
-        add("density/uniform.wgsl", &[], None);
-        for (names, decks) in [
-            (&[][..], 1),
-            (&["DETAIL"], 1),
-            (&["PRECIPITATION"], 1),
-            (&["DETAIL", "PRECIPITATION"], 2),
-        ] {
-            add("density/procedural.wgsl", names, Some(decks));
-        }
-        if container == "container/box.wgsl" {
-            add("density/volume.wgsl", &[], None);
+    let folder = tempfile::tempdir().unwrap();
+    let mut all: Vec<Surroundings> = Vec::new();
+    for (shader, container) in common::containers() {
+        for kind in Density::KINDS {
+            for example in (kind.examples)(&container, folder.path()).unwrap() {
+                let field = example.field();
+                all.push(Surroundings {
+                    container: shader,
+                    density: field.shader().into_owned(),
+                    defs: field.defs(),
+                });
+            }
         }
     }
+    // Examples of one structure compose to one shader.
+    let mut seen = HashSet::new();
+    all.retain(|around| {
+        seen.insert((
+            around.container,
+            around.density.clone(),
+            around.defs.clone(),
+        ))
+    });
     all
 }
 
@@ -79,7 +80,7 @@ fn composed(entry: &str, setup: &MethodSetup, around: &Surroundings, extra: Defs
     let shader = setup.method.info().shader;
     let roles = vec![
         ("container", around.container),
-        ("density", around.density),
+        ("density", &*around.density),
         ("sky", "sky/preetham.wgsl"),
         ("occlusion", shader),
     ];
@@ -312,7 +313,7 @@ fn uniform_leaves(module: &naga::Module, name: &str) -> (Vec<Leaf>, u32) {
 fn two_decks() -> naga::Module {
     let around = Surroundings {
         container: "container/shell.wgsl",
-        density: "density/procedural.wgsl",
+        density: "density/procedural.wgsl".to_owned(),
         defs: Defs::from([
             ("DECKS".into(), Some(2)),
             ("DETAIL".into(), None),

@@ -17,7 +17,7 @@ use crate::occlusion::MethodSetup;
 use crate::oracle::{Filter, Options, Oracle};
 use crate::param::ParamValue;
 use crate::progress::unwatched;
-use crate::scene::{Density, ImageSize, Scene};
+use crate::scene::{ImageSize, Scene};
 use crate::truth::{TruthCache, by_oracle};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -52,11 +52,7 @@ impl Decomposer {
         backend_truth: &Frame,
         cache: Option<&TruthCache>,
     ) -> Result<Self> {
-        let noise = matches!(scene.density, Density::Procedural(_));
-        let filters: &[Filter] = match noise {
-            true => &[Filter::Exact, Filter::EightBit],
-            false => &[Filter::Exact],
-        };
+        let filters = scene.density.field().filters();
         let mut best: Option<(f64, Self)> = None;
         for &filter in filters {
             let oracle = Oracle::filtered(scene, image, filter)?;
@@ -65,7 +61,7 @@ impl Decomposer {
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
                 let made = Self {
                     oracle,
-                    filter: noise.then_some(filter),
+                    filter: (filters.len() > 1).then_some(filter),
                     truth,
                     ample: HashMap::new(),
                 };

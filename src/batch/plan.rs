@@ -4,6 +4,7 @@ use super::cell::planned_cell;
 use super::identity::hash_file;
 use super::record::{Cell, InputFile, Report, SceneRecord};
 use crate::config::{Experiment, Matrix, expand, experiment_of};
+use crate::density::Density;
 use crate::density::volume::file_of;
 use crate::error::{Error, Result};
 use crate::occlusion::Registry;
@@ -16,8 +17,6 @@ use std::path::{Path, PathBuf};
 
 /// File of a report in its folder.
 const REPORT: &str = "report.json";
-/// Where the path of a volume stands in a scene.
-const VOLUME: &str = "/density/volume/path";
 
 /// What a batch measures, and how.
 #[derive(Clone, Debug)]
@@ -152,16 +151,25 @@ fn with_files(path: &Path, report: &Report) -> Result<Vec<SceneRecord>> {
     let mut found = BTreeMap::new();
     let mut problems = Vec::new();
     for scene in &mut scenes {
-        let Some(Value::String(name)) = scene.scene.pointer_mut(VOLUME) else {
+        let Some(written) = scene.scene.get_mut("density") else {
             continue;
         };
-        if !found.contains_key(name.as_str()) {
-            let looked = find(folder, name, &report.inputs);
+        // One that cannot be read is reported where the experiment is.
+        let Ok(mut density) = Density::deserialize(&*written) else {
+            continue;
+        };
+        let Some(path) = density.field_mut().input_file_mut() else {
+            continue;
+        };
+        let name = path.to_string_lossy().into_owned();
+        if !found.contains_key(&name) {
+            let looked = find(folder, &name, &report.inputs);
             problems.extend(looked.as_ref().err().cloned());
             found.insert(name.clone(), looked.ok());
         }
-        if let Some(Some(place)) = found.get(name.as_str()) {
-            *name = place.clone();
+        if let Some(Some(place)) = found.get(&name) {
+            *path = place.into();
+            *written = json!(density);
         }
     }
     if problems.is_empty() {

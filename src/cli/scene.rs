@@ -3,7 +3,7 @@
 use occlab::Error;
 use occlab::config::load_scene;
 use occlab::config::shipped::{Kind, find};
-use occlab::scene::{Density, ImageSize, Problem, Scene};
+use occlab::scene::{ImageSize, Problem, Scene};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -51,24 +51,19 @@ impl SceneOptions {
         if let Some(elevation_deg) = self.sun_elevation {
             scene.sun.elevation_deg = elevation_deg;
         }
-        match (&mut scene.density, &self.volume, self.seed) {
-            (Density::Volume(volume), Some(path), _) => volume.path.clone_from(path),
-            (_, Some(_), _) => {
-                return Err(Error::input(
-                    "--volume",
-                    "the scene's density is not a volume",
-                    "Use `--scene volume`.",
-                ));
-            }
-            (Density::Procedural(p), _, Some(seed)) => p.seed = seed,
-            (_, _, Some(_)) => {
-                return Err(Error::input(
-                    "--seed",
-                    "the scene's density has no noise",
-                    "Leave the option out.",
-                ));
-            }
-            _ => {}
+        if let Some(path) = &self.volume {
+            let own = scene.input_file_mut().ok_or_else(|| {
+                let problem = "the scene's density is not a volume";
+                Error::input("--volume", problem, "Use `--scene volume`.")
+            })?;
+            own.clone_from(path);
+        }
+        if let Some(seed) = self.seed {
+            let own = scene.density.field_mut().seed_mut().ok_or_else(|| {
+                let problem = "the scene's density has no noise";
+                Error::input("--seed", problem, "Leave the option out.")
+            })?;
+            *own = seed;
         }
         scene
             .validate()
@@ -80,7 +75,8 @@ impl SceneOptions {
     fn blame(&self, problem: Problem, path: &Path) -> Error {
         let option = match problem.pointer.as_str() {
             "/sun/elevation_deg" if self.sun_elevation.is_some() => "--sun-elevation",
-            "/density/volume/path" if self.volume.is_some() => "--volume",
+            // The file's own density was valid.
+            place if place.starts_with("/density/") && self.volume.is_some() => "--volume",
             _ => return problem.at(&path.display().to_string()),
         };
         Error::input(

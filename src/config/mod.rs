@@ -40,7 +40,7 @@ pub(crate) use experiment::experiment_of;
 pub(crate) use suggest::sentence as suggestion;
 
 use crate::error::Result;
-use crate::scene::{Density, Scene};
+use crate::scene::Scene;
 use document::Fault;
 use std::path::Path;
 
@@ -55,8 +55,9 @@ fn scene_of(value: &serde_json::Value, folder: &Path) -> Result<Scene, Fault> {
     let mut scene: Scene = document::deserialize(value)?;
     scene.validate()?;
     scene.resolve_paths(folder);
-    if let Density::Volume(volume) = &scene.density {
-        volume.check_path()?;
+    if scene.input_file().is_some() {
+        // The folder's name is now part of the path.
+        scene.density.field().validate(&scene.container)?;
     }
     Ok(scene)
 }

@@ -1,67 +1,87 @@
-//! The density field on the device: textures, occupancy, and the shader file that evaluates it.
+//! The density field: where the dimensionless density in `[0, ∞)` comes from, on the device and in f64.
+//!
+//! A kind of field is one Rust file (or folder), one WGSL file and one entry of the registry at the end of this file:
+//!
+//! - the Rust file holds its parameters as a struct: what a scene says under `"density": {"<name>": {…}}`. JSON, schema
+//!   and located errors follow from the struct; what else there is to say of the kind is its [`DensityField`]: the checks
+//!   of its values, the field on the device, its f64 twin, the file it reads, its seed, the numbers that the window offers,
+//!   and examples, with which the tests compare device and twin;
+//! - `shaders/density/<name>.wgsl` exports `fn density(p: vec3f) -> f32` (p in world metres, inside the container) and
+//!   `fn empty_distance(p: vec3f) -> f32` (a distance around p within which density is provably 0, −1 where it may not
+//!   be: `grid_distance` of an [`Occupancy`](occupancy::Occupancy), or a constant).
+//!
+//! A twin is written from the equations and shares no code with the shader. What it may share with the device path on the
+//! CPU are the bounds of empty space.
 
-pub(crate) mod bounds;
-pub(crate) mod calibrate;
-pub(crate) mod imported;
+mod field;
+pub(crate) mod lattice;
 pub mod occupancy;
 mod procedural;
+mod texture;
+mod uniform;
 pub mod volume;
 
-pub(crate) use procedural::{DETAIL_TEXELS, SHAPE_TEXELS, WEATHER_TEXELS, weather_offset};
+pub use field::{
+    Built, Control, ControlValue, DensityField, DensityKind, DensityTwin, DeviceField, Surroundings,
+};
+pub use procedural::{Deck, Detail};
+pub use texture::Filter;
 
-use crate::error::Result;
-use crate::gpu::{Defs, Gpu, Inputs, UniformValue};
-use crate::scene::{Density, Scene};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// A density field ready to be bound.
-pub struct DensityField {
-    /// File that plays the role `density`.
-    pub shader: &'static str,
-    /// Structure of the field: decks, detail, precipitation.
-    pub defs: Defs,
-    /// Textures, buffers and uniforms of group 1.
-    pub inputs: Inputs,
-    /// What it took to build, for reports.
-    pub built: Built,
-    /// Identifies imported data; empty for fields that the scene's JSON determines.
-    pub content_hash: String,
-}
+/// From `"name" => module::Type`, with the text that the schema shows: the type of a scene's `density`, and the list of
+/// kinds. The name is that of the type in snake case, as serde writes it.
+macro_rules! densities {
+    ($($(#[doc = $doc:literal])+ $name:literal => $module:ident::$kind:ident,)+) => {
+        $(pub use $module::$kind;)+
 
-/// Facts about a field.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Built {
-    /// Time for noise textures, ms of wall time with the queue drained; `None` without noise.
-    pub noise_ms: Option<f64>,
-    /// Share of the occupancy grid's cells that are provably empty; `None` without a grid.
-    pub empty_fraction: Option<f64>,
-    /// Covered share of each deck as measured after calibration.
-    pub measured_coverage: Vec<f64>,
-}
-
-impl DensityField {
-    /// Builds the field of `scene`; `scene_inputs` supplies container and medium to the calibration pass.
-    pub fn new(
-        gpu: &Gpu,
-        scene: &Scene,
-        container_shader: &'static str,
-        scene_inputs: &Inputs,
-    ) -> Result<Self> {
-        match &scene.density {
-            Density::Uniform { value } => Ok(uniform(*value)),
-            Density::Procedural(p) => procedural::build(gpu, p, container_shader, scene_inputs),
-            Density::Volume(v) => imported::build(gpu, scene, v),
+        /// Where the dimensionless density in `[0, ∞)` comes from; extinction = density × `medium.extinction_per_m`.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub enum Density {
+            $($(#[doc = $doc])+ #[serde(rename = $name)] $kind($kind),)+
         }
-    }
+
+        impl Density {
+            /// Every kind, in the order of the schema.
+            pub const KINDS: &[DensityKind] = &[$(DensityKind {
+                name: $name,
+                examples: |container, folder| {
+                    let examples = <$kind as DensityField>::examples(container, folder)?;
+                    Ok(examples.into_iter().map(Density::$kind).collect())
+                },
+            },)+];
+
+            /// The name of its kind, as JSON has it.
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$kind(_) => $name,)+
+                }
+            }
+
+            /// What its kind does.
+            pub fn field(&self) -> &dyn DensityField {
+                match self {
+                    $(Self::$kind(field) => field,)+
+                }
+            }
+
+            /// The same, to be changed.
+            pub fn field_mut(&mut self) -> &mut dyn DensityField {
+                match self {
+                    $(Self::$kind(field) => field,)+
+                }
+            }
+        }
+    };
 }
 
-fn uniform(value: f64) -> DensityField {
-    let mut inputs = Inputs::default();
-    inputs.uniform("field", [("value", UniformValue::F32(value as f32))]);
-    DensityField {
-        shader: "density/uniform.wgsl",
-        defs: Defs::new(),
-        inputs,
-        built: Built::default(),
-        content_hash: String::new(),
-    }
+densities! {
+    /// The same value everywhere in the container; for analytic checks.
+    "uniform" => uniform::Uniform,
+    /// Weather map, Perlin–Worley shape and Worley erosion (Schneider & Vos 2015/2017, Hillaire 2016).
+    "procedural" => procedural::Procedural,
+    /// A NumPy array that fills a box container, samples at cell centres, clamped trilinear interpolation.
+    "volume" => volume::Volume,
 }

@@ -37,21 +37,43 @@ fn files(folder: &'static Dir<'static>) -> Vec<(&'static str, &'static str)> {
     own.chain(folder.dirs().flat_map(files)).collect()
 }
 
-/// The text of every shader file, by its path below `shaders/`.
+/// The text of every shader file, by its path.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sources(BTreeMap<&'static str, Cow<'static, str>>);
+pub struct Sources {
+    /// The program's own, below `shaders/`.
+    own: BTreeMap<&'static str, Cow<'static, str>>,
+    /// Others: only a role takes one, so that their names need not differ from those of shared modules.
+    added: BTreeMap<String, String>,
+}
 
 impl Sources {
     /// The files as compiled in.
     pub fn embedded() -> Self {
         let all = files(&FILES).into_iter();
-        Self(all.map(|(path, text)| (path, text.into())).collect())
+        Self {
+            own: all.map(|(path, text)| (path, text.into())).collect(),
+            added: BTreeMap::new(),
+        }
+    }
+
+    /// Adds the text of a file that is not the program's own, or replaces what was added under this path. A program takes
+    /// it where a role or its entry names the path.
+    pub fn add(&mut self, path: impl Into<String>, text: impl Into<String>) -> Result<()> {
+        let path = path.into();
+        if self.own.contains_key(path.as_str()) {
+            let problem = "this is the path of one of the program's own shaders";
+            return Err(Error::input(path, problem, "Choose another path."));
+        }
+        self.added.insert(path, text.into());
+        Ok(())
     }
 
     /// The same with the text of one more file; one that is there already stays as it is.
     pub fn with(&self, path: &'static str, text: &'static str) -> Self {
         let mut all = self.clone();
-        all.0.entry(path).or_insert(text.into());
+        if !all.own.contains_key(path) {
+            all.added.entry(path.to_owned()).or_insert(text.to_owned());
+        }
         all
     }
 
@@ -62,19 +84,17 @@ impl Sources {
             let text = std::fs::read_to_string(&file).map_err(Error::reading(&file))?;
             Ok((path, text.into()))
         };
-        Self::embedded()
-            .0
-            .into_keys()
-            .map(read)
-            .collect::<Result<_>>()
-            .map(Self)
+        let own = Self::embedded().own.into_keys().map(read);
+        Ok(Self {
+            own: own.collect::<Result<_>>()?,
+            added: BTreeMap::new(),
+        })
     }
 
     /// The text of one file.
     pub fn text(&self, path: &str) -> Result<&str> {
-        self.0
-            .get(path)
-            .map(AsRef::as_ref)
+        let own = self.own.get(path).map(AsRef::as_ref);
+        own.or_else(|| self.added.get(path).map(String::as_str))
             .ok_or_else(|| Error::Shader {
                 file: path.to_owned(),
                 message: "no such shader file is compiled in".into(),
@@ -95,7 +115,10 @@ impl Sources {
     /// Hash of every file: what makes a cached picture stale when a formula changes.
     pub fn hash(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();
-        for (path, text) in &self.0 {
+        let own = self.own.iter().map(|(path, text)| (*path, text.as_ref()));
+        let added = self.added.iter();
+        let added = added.map(|(path, text)| (path.as_str(), text.as_str()));
+        for (path, text) in own.chain(added) {
             hasher
                 .update(path.as_bytes())
                 .update(&(text.len() as u64).to_le_bytes())
@@ -193,7 +216,7 @@ impl Loader<'_> {
             .map(|(_, path)| (*path).to_owned());
         role.or_else(|| {
             let file = format!("{name}.wgsl");
-            let mut paths = self.sources.0.keys();
+            let mut paths = self.sources.own.keys();
             paths
                 .find(|path| path.rsplit('/').next() == Some(&file))
                 .map(|path| (*path).to_owned())
@@ -222,12 +245,47 @@ mod tests {
         let mut sources = Sources::embedded();
         let own = error(&sources);
         assert!(own.contains("x is not defined\nThis is a defect of occlab"));
-        sources.0.insert("generate.wgsl", "fn x() {}".into());
+        sources.own.insert("generate.wgsl", "fn x() {}".into());
         assert_eq!(
             error(&sources),
             "shader shaders/generate.wgsl: x is not defined\n"
         );
         let other = sources.blame(Error::input("p", "q", "R."));
         assert!(matches!(other, Error::Input { .. }));
+    }
+
+    #[test]
+    fn a_file_of_others_plays_the_role_that_names_it_and_no_other() {
+        let mut sources = Sources::embedded();
+        let before = sources.hash();
+        let text = "fn density(p: vec3f) -> f32 { return p.y; }\n\
+                    fn empty_distance(p: vec3f) -> f32 { return -1.0; }\n";
+        // Called like the shared module that every march imports.
+        let path = String::from("home/medium.wgsl");
+        sources.add(&path, text).unwrap();
+        assert_eq!(sources.text(&path).unwrap(), text);
+        assert_ne!(sources.hash(), before);
+        let program = |density| Program {
+            entry: "raymarch.wgsl",
+            roles: vec![
+                ("container", "container/box.wgsl"),
+                ("density", density),
+                ("occlusion", "occlusion/none.wgsl"),
+            ],
+            defs: Defs::new(),
+        };
+        let composed = |sources: &Sources, density| {
+            let module = compose(sources, &program(density)).unwrap();
+            format!("{module:?}")
+        };
+        assert_ne!(
+            composed(&sources, &path),
+            composed(&sources, "density/uniform.wgsl")
+        );
+        assert!(compose(&Sources::embedded(), &program(&path)).is_err());
+        let own = sources.add("density/uniform.wgsl", text).unwrap_err();
+        assert!(own.to_string().contains("the program's own shaders"));
+        sources.add(&path, "not a shader").unwrap();
+        assert!(compose(&sources, &program(&path)).is_err());
     }
 }

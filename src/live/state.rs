@@ -4,7 +4,7 @@ use crate::config::{Experiment, expand, load_experiment, load_scene, parse_exper
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
 use crate::occlusion::{MethodSetup, Registry};
-use crate::scene::{Density, ImageSize, Scene};
+use crate::scene::{ImageSize, Scene};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
@@ -77,8 +77,7 @@ impl State {
     /// The state as an experiment of one view whose scene stands in the file itself.
     pub fn experiment(&self) -> Result<Value> {
         let mut scene = self.scene.clone();
-        if let Density::Volume(volume) = &mut scene.density {
-            let path = &mut volume.path;
+        if let Some(path) = scene.input_file_mut() {
             *path = std::path::absolute(&*path).map_err(Error::reading(path))?;
         }
         let mut methods: Vec<Value> = Vec::new();

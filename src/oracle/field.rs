@@ -1,13 +1,10 @@
-//! The density field in f64: uniform, procedural, or an imported volume.
+//! The density field of a scene in f64: its twin, and where extinction provably is 0.
 
-use super::layer::field_point;
-use super::procedural::Clouds;
-use super::texture::Filter;
-use crate::density::imported::occupancy_of;
+use crate::container::Container;
 use crate::density::occupancy::Occupancy;
-use crate::density::volume::{Grid, load};
+use crate::density::{DensityField, DensityTwin, Filter};
 use crate::error::{Error, Result};
-use crate::scene::{Container, Density, Scene};
+use crate::scene::Scene;
 use glam::DVec3;
 
 /// Points are good to much less than this share of an occupancy cell.
@@ -17,50 +14,27 @@ const CELL_SLACK: f64 = 1e-9;
 pub(super) struct Field {
     container: Container,
     extinction_per_m: f64,
-    kind: Kind,
+    twin: Box<dyn DensityTwin>,
     occupancy: Option<Occupancy>,
     filter: Filter,
 }
 
-enum Kind {
-    Uniform(f64),
-    Clouds(Box<Clouds>),
-    Volume(Box<Volume>),
-}
-
 impl Field {
     pub fn new(scene: &Scene, filter: Filter) -> Result<Self> {
-        let extinction_per_m = scene.medium.extinction_per_m;
-        let (kind, occupancy) = match &scene.density {
-            Density::Uniform { value } => (Kind::Uniform(*value), None),
-            Density::Procedural(field) => {
-                let clouds = Clouds::new(field, extinction_per_m, filter)?;
-                let occupancy = clouds.occupancy();
-                (Kind::Clouds(Box::new(clouds)), Some(occupancy))
-            }
-            Density::Volume(volume) => {
-                let Container::Box { min_m, max_m } = scene.container else {
-                    return Err(Error::input(
-                        "scene",
-                        "a volume needs a box container",
-                        "Use a `box` container.",
-                    ));
-                };
-                let grid = load(volume)?;
-                let occupancy = occupancy_of(&grid, min_m, max_m);
-                let volume = Volume {
-                    grid,
-                    low_m: min_m.into(),
-                    size_m: DVec3::from(max_m) - DVec3::from(min_m),
-                };
-                (Kind::Volume(Box::new(volume)), Some(occupancy))
-            }
-        };
-        Ok(Self {
-            container: scene.container.clone(),
+        let (container, extinction_per_m) = (&scene.container, scene.medium.extinction_per_m);
+        let field = scene.density.field();
+        let twin = twin(
+            field,
+            scene.density.name(),
+            container,
             extinction_per_m,
-            kind,
-            occupancy,
+            filter,
+        )?;
+        Ok(Self {
+            container: container.clone(),
+            extinction_per_m,
+            occupancy: twin.occupancy(),
+            twin,
             filter,
         })
     }
@@ -72,34 +46,23 @@ impl Field {
 
     /// Identifies imported data; empty for fields that the scene's JSON determines.
     pub fn content_hash(&self) -> String {
-        match &self.kind {
-            Kind::Volume(volume) => volume.grid.hash.to_string(),
-            _ => String::new(),
-        }
+        self.twin.content_hash()
     }
 
-    /// Weather thresholds of a procedural field's decks; empty for others.
+    /// Weather thresholds that give each deck its coverage; empty for fields without decks.
     pub fn thresholds(&self) -> &[f64] {
-        match &self.kind {
-            Kind::Clouds(clouds) => clouds.thresholds(),
-            _ => &[],
-        }
+        self.twin.thresholds()
     }
 
     /// Extinction at a point, m⁻¹.
     pub fn extinction_per_m(&self, p: DVec3) -> f64 {
-        let density = match &self.kind {
-            Kind::Uniform(value) => *value,
-            Kind::Clouds(clouds) => clouds.density(field_point(&self.container, p)),
-            Kind::Volume(volume) => volume.density(p),
-        };
-        density * self.extinction_per_m
+        self.twin.density(p) * self.extinction_per_m
     }
 
     /// Distance within which extinction is provably 0 around `p`, metres; `None` = it may not be.
     pub fn clear_m(&self, p: DVec3) -> Option<f64> {
         let grid = self.occupancy.as_ref()?;
-        let cell = (field_point(&self.container, p) - DVec3::from(grid.origin_m)) / grid.cell_m;
+        let cell = (self.container.field_point(p) - DVec3::from(grid.origin_m)) / grid.cell_m;
         let base = cell.floor();
         let mut index = [0; 3];
         for (axis, index) in index.iter_mut().enumerate() {
@@ -121,39 +84,66 @@ impl Field {
     }
 }
 
-/// Samples at cell centres, clamped at the faces, trilinear in between.
-struct Volume {
-    grid: Grid,
-    low_m: DVec3,
-    size_m: DVec3,
+/// The twin of a field of kind `name`, or an error that says there is none.
+fn twin(
+    field: &dyn DensityField,
+    name: &str,
+    container: &Container,
+    extinction_per_m: f64,
+    filter: Filter,
+) -> Result<Box<dyn DensityTwin>> {
+    let twin = field.twin(container, extinction_per_m, filter)?;
+    twin.ok_or_else(|| {
+        Error::input(
+            "scene, at /density",
+            format!(
+                "a density of kind `{name}` has no f64 twin, so that the oracle cannot render it"
+            ),
+            "Use an adapter, without splitting errors into their parts, or another density.",
+        )
+    })
 }
 
-impl Volume {
-    fn density(&self, p: DVec3) -> f64 {
-        let unit = (p - self.low_m) / self.size_m;
-        let n = self.grid.size.map(|n| n as usize);
-        let mut taps = [[(0, 0.0); 2]; 3];
-        for (axis, pair) in taps.iter_mut().enumerate() {
-            let last = n[axis] as i64 - 1;
-            let position = unit[axis] * n[axis] as f64 - 0.5;
-            let low = position.floor();
-            let weight = position - low;
-            let clamped = |i: i64| i.clamp(0, last) as usize;
-            *pair = [
-                (clamped(low as i64), 1.0 - weight),
-                (clamped(low as i64 + 1), weight),
-            ];
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::density::{DeviceField, Surroundings};
+    use crate::gpu::Gpu;
+    use crate::problem::Problem;
+    use std::borrow::Cow;
+    use std::path::Path;
+
+    /// A kind that only a device knows.
+    struct Untwinned;
+
+    impl DensityField for Untwinned {
+        fn validate(&self, _container: &Container) -> Result<(), Problem> {
+            Ok(())
         }
-        let [xs, ys, zs] = taps;
-        let mut sum = 0.0;
-        for (k, wz) in zs {
-            for (j, wy) in ys {
-                let row = (k * n[1] + j) * n[0];
-                for (i, wx) in xs {
-                    sum += wx * wy * wz * f64::from(self.grid.values[row + i]);
-                }
-            }
+
+        fn shader(&self) -> Cow<'static, str> {
+            "density/uniform.wgsl".into()
         }
-        sum
+
+        fn build(&self, _gpu: &Gpu, _around: &Surroundings) -> Result<DeviceField> {
+            Ok(DeviceField::new(self, Default::default()))
+        }
+
+        fn examples(_container: &Container, _folder: &Path) -> Result<Vec<Self>> {
+            Ok(vec![Self])
+        }
+    }
+
+    #[test]
+    fn a_density_without_a_twin_is_refused_by_name() {
+        let container = Container::Box {
+            min_m: [0.0; 3],
+            max_m: [1.0; 3],
+        };
+        let made = twin(&Untwinned, "untwinned", &container, 1.0, Filter::Exact);
+        let error = made.err().expect("no twin").to_string();
+        assert!(
+            error.starts_with("scene, at /density: a density of kind `untwinned` has no f64 twin")
+        );
     }
 }

@@ -1,6 +1,6 @@
-//! Rays through the container, addressed by the distance travelled inside it, and heights above its ground.
+//! Rays through the container, addressed by the distance travelled inside it, and heights as a share of it.
 
-use crate::scene::{Container, Intervals};
+use crate::container::{Container, Intervals};
 use glam::DVec3;
 
 /// Stands for no limit along a ray, metres.
@@ -60,28 +60,10 @@ impl LayerRay {
     }
 }
 
-/// Height above ground in a shell, world y in a box, metres.
-pub(super) fn height_m(container: &Container, p: DVec3) -> f64 {
-    match *container {
-        Container::Box { .. } => p.y,
-        Container::Shell {
-            planet_radius_m: r, ..
-        } => {
-            // |p − c| − R without its cancellation: (|p − c|² − R²)/(|p − c| + R).
-            (p.length_squared() + 2.0 * r * p.y) / ((p + DVec3::Y * r).length() + r)
-        }
-    }
-}
-
-/// Where density fields are defined: horizontal x and z, height as y.
-pub(super) fn field_point(container: &Container, p: DVec3) -> DVec3 {
-    DVec3::new(p.x, height_m(container, p), p.z)
-}
-
 /// Height as a share of the layer, 0 at its base, 1 at its top.
 pub(super) fn height_fraction(container: &Container, p: DVec3) -> f64 {
     let (low_m, high_m) = container.height_range_m();
-    ((height_m(container, p) - low_m) / (high_m - low_m)).clamp(0.0, 1.0)
+    ((container.height_m(p) - low_m) / (high_m - low_m)).clamp(0.0, 1.0)
 }
 
 /// Whether a ray that starts above ground meets it.

@@ -12,15 +12,12 @@ mod layer;
 mod light;
 mod map;
 mod march;
-mod noise;
 mod probe;
-mod procedural;
 mod temporal;
-mod texture;
 
+pub use crate::density::Filter;
 pub use light::{Occlusion, Options};
 pub use temporal::History;
-pub use texture::Filter;
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, MAX_PIXELS};

@@ -18,7 +18,7 @@ pub use temporal::{History, Temporal, history_bytes};
 pub use tiles::Tiling;
 pub use view::View;
 
-use crate::density::DensityField;
+use crate::density::{DeviceField, Surroundings};
 use crate::error::Result;
 use crate::gpu::{ClockWatch, Defs, Gpu, Kernel, Program, Sources};
 use crate::occlusion::{MethodInfo, MethodSetup};
@@ -42,7 +42,7 @@ pub struct Renderer {
     /// Shaders of methods that are not among the device's, by path.
     method_texts: RefCell<HashMap<&'static str, &'static str>>,
     /// The last density field: consecutive views often differ in sun or image size alone.
-    density: RefCell<Option<(String, Rc<DensityField>)>>,
+    density: RefCell<Option<(String, Rc<DeviceField>)>>,
     clock_watch: OnceCell<ClockWatch>,
 }
 
@@ -122,7 +122,12 @@ impl Renderer {
     /// Uploads a scene for pictures of one size.
     pub fn view(&self, scene: &Scene, image: ImageSize) -> Result<View> {
         let inputs = inputs::scene_inputs(scene, image, true);
-        let container_shader = view::container_shader(scene);
+        let around = Surroundings {
+            container: &scene.container,
+            extinction_per_m: scene.medium.extinction_per_m,
+            container_shader: view::container_shader(scene),
+            inputs: &inputs,
+        };
         // What a field is built from, as JSON: the calibration reads container and extinction too.
         let key = serde_json::json!([
             scene.density,
@@ -138,12 +143,7 @@ impl Renderer {
             .map(|(_, field)| field.clone());
         let density = match kept {
             Some(field) => field,
-            None => Rc::new(DensityField::new(
-                &self.gpu,
-                scene,
-                container_shader,
-                &inputs,
-            )?),
+            None => Rc::new(scene.density.field().build(&self.gpu, &around)?),
         };
         *self.density.borrow_mut() = Some((key, density.clone()));
         View::new(&self.gpu, scene, image, density, inputs)

@@ -1,7 +1,7 @@
 //! A scene on the device, seen at one image size: what every method and the truth share.
 
 use super::inputs::scene_inputs;
-use crate::density::DensityField;
+use crate::density::DeviceField;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gpu::{Defs, Gpu, Inputs, Resource, read_buffer};
@@ -16,7 +16,7 @@ pub struct View {
     /// Picture size.
     pub image: ImageSize,
     /// Its density field.
-    pub density: Rc<DensityField>,
+    pub density: Rc<DeviceField>,
     pub(super) inputs: Inputs,
     pub(super) defs: Defs,
     skip: bool,
@@ -31,7 +31,7 @@ impl View {
         gpu: &Gpu,
         scene: &Scene,
         image: ImageSize,
-        density: Rc<DensityField>,
+        density: Rc<DeviceField>,
         mut inputs: Inputs,
     ) -> Result<Self> {
         let pixels = u64::from(image.width) * u64::from(image.height);
@@ -81,10 +81,10 @@ impl View {
     }
 
     /// Files that play the roles of a march in this view.
-    pub(super) fn roles<'a>(&self, occlusion: &'a str) -> Vec<(&'a str, &'a str)> {
+    pub(super) fn roles<'a>(&'a self, occlusion: &'a str) -> Vec<(&'a str, &'a str)> {
         vec![
             ("container", container_shader(&self.scene)),
-            ("density", self.density.shader),
+            ("density", &self.density.shader),
             ("sky", "sky/preetham.wgsl"),
             ("occlusion", occlusion),
         ]
@@ -114,7 +114,7 @@ pub(super) fn container_shader(scene: &Scene) -> &'static str {
     }
 }
 
-fn defs(scene: &Scene, density: &DensityField) -> Defs {
+fn defs(scene: &Scene, density: &DeviceField) -> Defs {
     let mut defs = density.defs.clone();
     let mut define = |name: &str, on: bool| {
         if on {

@@ -4,9 +4,6 @@
 
 mod camera;
 mod camera_track;
-mod container;
-mod density;
-mod geometry;
 mod light;
 mod map_rectangle;
 mod march;
@@ -17,9 +14,6 @@ mod track;
 
 pub use camera::{Camera, ImageSize};
 pub use camera_track::CameraTrack;
-pub use container::Container;
-pub use density::{Deck, Density, Detail, Procedural, Volume};
-pub use geometry::Intervals;
 pub use light::{Ambient, Lobe, Medium, Sky, Sun};
 pub use map_rectangle::MapRectangle;
 pub use march::{Integration, March};
@@ -27,7 +21,11 @@ pub use preetham::{PerezSky, SkyModel};
 pub use reconstruct::Reconstruct;
 pub use track::Track;
 
-use crate::error::{Error, Result};
+pub use crate::container::{Container, Intervals};
+pub use crate::density::{Deck, Density, Detail, Procedural, Uniform, Volume};
+pub use crate::problem::Problem;
+
+use crate::problem::{MAX_MAGNITUDE, check, check_all};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -64,7 +62,7 @@ impl Scene {
     pub fn validate(&self) -> Result<(), Problem> {
         check_name(&self.name).map_err(|message| Problem::new("/name", message))?;
         self.container.validate()?;
-        self.density.validate(&self.container)?;
+        self.density.field().validate(&self.container)?;
         self.medium.validate()?;
         self.sun.validate(self.sky.is_some())?;
         if let Some(sky) = &self.sky {
@@ -93,18 +91,12 @@ impl Scene {
 
     /// The file that decides what is seen beside the scene itself, if there is one.
     pub fn input_file(&self) -> Option<&Path> {
-        match &self.density {
-            Density::Volume(volume) => Some(&volume.path),
-            Density::Uniform { .. } | Density::Procedural(_) => None,
-        }
+        self.density.field().input_file()
     }
 
     /// The same, to be changed.
     pub fn input_file_mut(&mut self) -> Option<&mut PathBuf> {
-        match &mut self.density {
-            Density::Volume(volume) => Some(&mut volume.path),
-            Density::Uniform { .. } | Density::Procedural(_) => None,
-        }
+        self.density.field_mut().input_file_mut()
     }
 
     /// Makes a relative volume path relative to `folder`, the one that holds the scene file.
@@ -117,34 +109,6 @@ impl Scene {
     }
 }
 
-/// A value that makes no sense, located by JSON pointer inside the scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Problem {
-    /// JSON pointer, e.g. `/sun/elevation_deg`.
-    pub pointer: String,
-    /// What is wrong and what is allowed.
-    pub message: String,
-}
-
-impl Problem {
-    /// A problem at `pointer`.
-    pub fn new(pointer: impl Into<String>, message: impl Into<String>) -> Self {
-        Self {
-            pointer: pointer.into(),
-            message: message.into(),
-        }
-    }
-
-    /// As a library error for the file `place`.
-    pub fn at(self, place: &str) -> Error {
-        Error::input(
-            format!("{place}, at {}", self.pointer),
-            self.message,
-            "Correct the value; `occlab schema` prints what is allowed.",
-        )
-    }
-}
-
 /// Names stand in tables, pages, charts and on terminals: they are short and on one line.
 pub(crate) fn check_name(name: &str) -> Result<(), String> {
     if name.is_empty() || name.chars().count() > 200 {
@@ -154,36 +118,4 @@ pub(crate) fn check_name(name: &str) -> Result<(), String> {
         Some(c) => Err(format!("the name contains the control character {:?}", c)),
         None => Ok(()),
     }
-}
-
-/// Largest magnitude of a radiance, a density or a distance that is still a number on the device, whose floats end at
-/// 3.4e38, when a few of them are multiplied.
-pub(crate) const MAX_MAGNITUDE: f64 = 1e12;
-
-/// `value` must be finite and satisfy `ok`.
-pub(crate) fn check(
-    pointer: &str,
-    value: f64,
-    allowed: &str,
-    ok: impl Fn(f64) -> bool,
-) -> Result<(), Problem> {
-    if value.is_finite() && ok(value) {
-        return Ok(());
-    }
-    Err(Problem::new(
-        pointer,
-        format!("the value is {value}, allowed is {allowed}"),
-    ))
-}
-
-/// Every component must be finite and satisfy `ok`.
-pub(crate) fn check_all(
-    pointer: &str,
-    values: &[f64],
-    allowed: &str,
-    ok: impl Fn(f64) -> bool + Copy,
-) -> Result<(), Problem> {
-    values
-        .iter()
-        .try_for_each(|v| check(pointer, *v, allowed, ok))
 }

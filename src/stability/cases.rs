@@ -6,7 +6,6 @@ use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
 use crate::occlusion::{MethodSetup, REGISTRY};
 use crate::param::{ParamKind, ParamSpec, ParamValue};
-use npyz::WriterBuilder;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -100,11 +99,5 @@ fn write_volume(file: impl Write, volume: &VolumeFile) -> std::io::Result<()> {
             }
         }
     }
-    let array = npyz::WriteOptions::new()
-        .default_dtype()
-        .shape(&[nz, ny, nx].map(|n| n as u64))
-        .writer(file);
-    let mut writer = array.begin_nd()?;
-    writer.extend(values)?;
-    writer.finish()
+    crate::density::volume::save(file, volume.cells, values)
 }

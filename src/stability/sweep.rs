@@ -15,7 +15,7 @@ use crate::occlusion::{MethodSetup, Role, playing};
 use crate::oracle::{Options, Oracle};
 use crate::provenance::cell_sources;
 use crate::raymarch::Renderer;
-use crate::scene::{Density, Scene};
+use crate::scene::Scene;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -37,9 +37,9 @@ struct Entrant {
 /// Step of the truth's light march, metres: the scene's own, longer where rays are very long, long in a uniform medium.
 fn truth_step_m(scene: &Scene) -> f64 {
     let longest_m = scene.container.longest_path_m();
-    match scene.density {
-        Density::Uniform { .. } => longest_m / UNIFORM_STEPS,
-        _ => scene.truth_step_m().max(longest_m / TRUTH_STEPS),
+    match scene.density.field().is_uniform() {
+        true => longest_m / UNIFORM_STEPS,
+        false => scene.truth_step_m().max(longest_m / TRUTH_STEPS),
     }
 }
 
@@ -49,20 +49,12 @@ pub(super) fn case_id(
     extreme: &Extreme,
     renderer: Option<&Renderer>,
 ) -> String {
-    let mut scene = json!(
-        extreme
-            .scene
-            .as_deref()
-            .map_or(Value::Null, |scene| json!(scene))
-    );
+    let mut scene = extreme.scene.clone().ok();
     // The folder does not matter, the volume's own description does.
     let mut volume = Value::Null;
-    if let Some(path) = scene.pointer_mut("/density/volume/path") {
-        let name = path.as_str().map(|path| Path::new(path).file_stem());
-        let name = name
-            .flatten()
-            .and_then(|stem| stem.to_str())
-            .unwrap_or_default();
+    if let Some(path) = scene.as_mut().and_then(|scene| scene.input_file_mut()) {
+        let name = path.file_stem().and_then(|stem| stem.to_str());
+        let name = name.unwrap_or_default();
         volume = json!(stability.volumes.get(name).map(|v| format!("{v:?}")));
         *path = name.into();
     }

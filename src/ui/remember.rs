@@ -208,8 +208,8 @@ fn recall(file: &Path) -> Result<Option<(Left, State)>> {
         .map_err(|e| Error::input(place(), e.to_string(), "The first scene is shown instead."))?;
     let text = left.experiment.to_string();
     let state = State::parse(Path::new("remembered state"), text)?;
-    if let crate::scene::Density::Volume(volume) = &state.scene.density {
-        let file = crate::density::volume::file_of(&volume.path).file;
+    if let Some(path) = state.scene.input_file() {
+        let file = crate::density::volume::file_of(path).file;
         std::fs::metadata(&file).map_err(Error::reading(&file))?;
     }
     Ok(Some((left, state)))

@@ -14,7 +14,8 @@ use occlab::progress::unwatched;
 use occlab::raymarch::{Renderer, View};
 use occlab::scene::ImageSize;
 use occlab::scene::{
-    Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Volume,
+    Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Uniform,
+    Volume,
 };
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -192,7 +193,7 @@ pub fn box_scene(min_m: [f64; 3], max_m: [f64; 3], extinction_per_m: f64) -> Sce
     Scene {
         name: "box".into(),
         container: Container::Box { min_m, max_m },
-        density: Density::Uniform { value: 1.0 },
+        density: Density::Uniform(Uniform { value: 1.0 }),
         medium: Medium {
             extinction_per_m,
             albedo: 1.0,
@@ -222,6 +223,23 @@ pub fn box_scene(min_m: [f64; 3], max_m: [f64; 3], extinction_per_m: f64) -> Sce
             ..March::default()
         },
     }
+}
+
+/// A container of each kind, 1 km high, and the shader that plays its role.
+pub fn containers() -> [(&'static str, Container); 2] {
+    let shell = Container::Shell {
+        planet_radius_m: 2e5,
+        base_m: 1000.0,
+        top_m: 2000.0,
+    };
+    let solid = Container::Box {
+        min_m: [-700.0, 100.0, -500.0],
+        max_m: [800.0, 1100.0, 600.0],
+    };
+    [
+        ("container/shell.wgsl", shell),
+        ("container/box.wgsl", solid),
+    ]
 }
 
 /// A procedural field whose periods are powers of two, so that a shift by a period is exact in f32.

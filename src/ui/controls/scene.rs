@@ -1,7 +1,8 @@
 //! What is looked at: scene, sun, clouds, medium, sampling of view rays, size of the picture.
 
 use crate::config::load_scene;
-use crate::scene::{Density, ImageSize, March, Scene};
+use crate::density::ControlValue;
+use crate::scene::{ImageSize, March, Scene};
 use crate::ui::app::App;
 use eframe::egui;
 
@@ -126,19 +127,12 @@ fn sun(ui: &mut egui::Ui, scene: &mut Scene) {
 }
 
 fn clouds(ui: &mut egui::Ui, scene: &mut Scene) {
-    if let Density::Procedural(field) = &mut scene.density {
-        let many = field.decks.len() > 1;
-        for (i, deck) in field.decks.iter_mut().enumerate() {
-            let name = if many {
-                format!("coverage of deck {}", i + 1)
-            } else {
-                "coverage".to_owned()
-            };
-            let doc = "Share of vertical columns whose opacity exceeds 0.5.";
-            number(ui, &name, doc, &mut deck.coverage, 0.0..=1.0, "");
+    for control in scene.density.field_mut().controls() {
+        let (name, doc, unit) = (&control.name, control.doc, control.unit);
+        match control.value {
+            ControlValue::Real(value, range) => number(ui, name, doc, value, range, unit),
+            ControlValue::Whole(value, range) => number(ui, name, doc, value, range, unit),
         }
-        let doc = "Of all noise: another sky of the same kind.";
-        number(ui, "seed", doc, &mut field.seed, 0..=9999, "");
     }
     let medium = &mut scene.medium;
     let doc = "Extinction at density 1. Water cloud: 0.04–0.06 (OPAC, Hess et al. 1998).";

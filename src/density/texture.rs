@@ -25,7 +25,7 @@ impl Filter {
 }
 
 /// An RGBA texture of 8 bits a channel, periodic, linearly interpolated; texel centres at (i + ½)/N.
-pub(super) struct Texture {
+pub(crate) struct Texture {
     filter: Filter,
     size: [usize; 3],
     /// x fastest, then y, then z.

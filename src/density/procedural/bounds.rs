@@ -1,8 +1,7 @@
 //! Upper bounds of the procedural density over the cells of its occupancy grid: conservative first, tight second.
 
-use super::occupancy::Occupancy;
-use super::procedural::{SHAPE_TEXELS, WEATHER_TEXELS, weather_offset};
-use crate::scene::Procedural;
+use super::{Procedural, SHAPE_TEXELS, WEATHER_TEXELS, weather_offset};
+use crate::density::occupancy::Occupancy;
 
 /// Cells of the occupancy grid along one shape tile: two texels a cell.
 const CELLS_PER_TILE: u32 = SHAPE_TEXELS / 2;
@@ -10,7 +9,7 @@ const CELLS_PER_TILE: u32 = SHAPE_TEXELS / 2;
 const FILTER_SLACK: f32 = 2.0 / 255.0;
 
 /// Upper bounds of the density over cells of the periodic field.
-pub(crate) struct Bounds<'a> {
+pub(super) struct Bounds<'a> {
     field: &'a Procedural,
     thresholds: &'a [f64],
     /// Largest `shape` (before the height gradient) of each cell of one shape tile, x fastest.

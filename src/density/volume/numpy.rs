@@ -8,14 +8,14 @@
 mod archive;
 mod header;
 
+use super::Volume;
 use crate::error::{Error, Result};
 use crate::file_part::FilePart;
-use crate::scene::Volume;
 use archive::Member;
 use header::{Header, bad_header};
-use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar};
+use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, WriteOptions, WriterBuilder};
 use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// Most voxels along an axis: what every adapter allows for a 3D texture (`Limits::default`).
@@ -65,6 +65,22 @@ pub fn load(volume: &Volume) -> Result<Grid> {
         values,
         hash: reader.into_inner().hasher.finalize(),
     })
+}
+
+/// Writes densities as a `.npy` file of axes z, y, x: x fastest, then y, then z, as [`Grid::values`].
+pub fn save(
+    file: impl Write,
+    size: [u32; 3],
+    values: impl IntoIterator<Item = f32>,
+) -> std::io::Result<()> {
+    let [nx, ny, nz] = size.map(u64::from);
+    let array = WriteOptions::new()
+        .default_dtype()
+        .shape(&[nz, ny, nx])
+        .writer(file);
+    let mut writer = array.begin_nd()?;
+    writer.extend(values)?;
+    writer.finish()
 }
 
 /// Opens the file, or the array inside an archive: which of the two it is, its first bytes say.

@@ -1,6 +1,10 @@
 //! Containers: the region a march integrates over.
 
-use super::{Problem, check, check_all};
+mod geometry;
+
+pub use geometry::Intervals;
+
+use crate::problem::{Problem, check, check_all};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +31,8 @@ pub enum Container {
 }
 
 impl Container {
-    pub(super) fn validate(&self) -> Result<(), Problem> {
+    /// Checks ranges and order; pointers start at `/container`.
+    pub fn validate(&self) -> Result<(), Problem> {
         match self {
             Self::Shell {
                 planet_radius_m,

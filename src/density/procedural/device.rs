@@ -2,35 +2,26 @@
 
 use super::bounds::Bounds;
 use super::calibrate::Calibrator;
-use super::{Built, DensityField};
+use super::{DETAIL_TEXELS, Deck, Procedural, SHAPE_TEXELS, WEATHER_TEXELS, weather_offset};
+use crate::density::{Built, DeviceField, Surroundings};
 use crate::error::Result;
 use crate::gpu::{Defs, Gpu, Inputs, Kernel, Program, Resource, UniformValue, read_texture};
-use crate::scene::{Deck, Procedural};
 use std::time::Instant;
 
-/// Edge of the shape texture, texels (Schneider & Vos 2015).
-pub const SHAPE_TEXELS: u32 = 128;
-/// Edge of the detail texture, texels.
-pub const DETAIL_TEXELS: u32 = 32;
-/// Edge of the weather map, texels.
-pub const WEATHER_TEXELS: u32 = 512;
+/// Evaluates the field.
+pub(super) const SHADER: &str = "density/procedural.wgsl";
 
-pub(super) fn build(
-    gpu: &Gpu,
-    field: &Procedural,
-    container_shader: &'static str,
-    scene_inputs: &Inputs,
-) -> Result<DensityField> {
+pub(super) fn build(gpu: &Gpu, field: &Procedural, around: &Surroundings) -> Result<DeviceField> {
     let (start, compiled_s) = (Instant::now(), gpu.compile_s());
     let noise = Noise::generate(gpu, field)?;
     let noise_ms = (start.elapsed().as_secs_f64() - (gpu.compile_s() - compiled_s)) * 1e3;
     let mut inputs = noise.inputs(gpu);
-    let calibrator = Calibrator::new(gpu, field, container_shader)?;
+    let calibrator = Calibrator::new(gpu, field, around.container_shader)?;
     let mut thresholds = Vec::new();
     let mut measured_coverage = Vec::new();
     for (i, deck) in field.decks.iter().enumerate() {
         let (threshold, measured) =
-            calibrator.threshold(gpu, field, i, deck, scene_inputs, &inputs)?;
+            calibrator.threshold(gpu, field, i, deck, around.inputs, &inputs)?;
         thresholds.push(threshold);
         measured_coverage.push(measured);
     }
@@ -38,16 +29,13 @@ pub(super) fn build(
     let occupancy = Bounds::new(&noise.shape, &noise.weather, field, &thresholds).occupancy();
     occupancy.upload(gpu, &mut inputs);
     gpu.check()?;
-    Ok(DensityField {
-        shader: "density/procedural.wgsl",
-        defs: defs(field, field.decks.len()),
-        inputs,
+    Ok(DeviceField {
         built: Built {
             noise_ms: Some(noise_ms),
             empty_fraction: Some(occupancy.empty_fraction()),
             measured_coverage,
         },
-        content_hash: String::new(),
+        ..DeviceField::new(field, inputs)
     })
 }
 
@@ -104,11 +92,6 @@ pub(super) fn field_values(
         values.push((format!("decks[{i}].cover"), UniformValue::Vec2(cover)));
     }
     values
-}
-
-/// The second deck reads the weather map elsewhere, so that it does not repeat the first.
-pub(crate) fn weather_offset(deck: usize) -> f64 {
-    0.37 * deck as f64
 }
 
 /// The noise textures and their read-back copies.

@@ -52,6 +52,24 @@ impl Container {
         }
     }
 
+    /// Height above ground in a shell, world y in a box, metres.
+    pub fn height_m(&self, p: DVec3) -> f64 {
+        match *self {
+            Self::Box { .. } => p.y,
+            Self::Shell {
+                planet_radius_m: r, ..
+            } => {
+                // |p − c| − R without its cancellation: (|p − c|² − R²)/(|p − c| + R).
+                (p.length_squared() + 2.0 * r * p.y) / ((p + DVec3::Y * r).length() + r)
+            }
+        }
+    }
+
+    /// Where density fields are defined: horizontal x and z, height as y.
+    pub fn field_point(&self, p: DVec3) -> DVec3 {
+        DVec3::new(p.x, self.height_m(p), p.z)
+    }
+
     /// No ray spends more than this inside the container, metres.
     pub fn longest_path_m(&self) -> f64 {
         match *self {

@@ -1,32 +1,32 @@
-//! The density field as a scene describes it.
+//! Procedural clouds: parameters and their checks.
 
-use super::{Container, MAX_MAGNITUDE, Problem, check, check_all};
+mod bounds;
+mod calibrate;
+mod device;
+mod noise;
+mod twin;
+
+use super::{Control, ControlValue, DensityField, DensityTwin, DeviceField, Filter, Surroundings};
+use crate::container::Container;
+use crate::error::Result;
+use crate::gpu::{Defs, Gpu};
+use crate::problem::{Problem, check, check_all};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::borrow::Cow;
+use std::path::Path;
 
-/// Longest path of a volume's file, bytes: what Linux opens.
-const MAX_PATH_BYTES: usize = 4096;
-/// Most shape tiles that the decks of a procedural field span in height: a grid of its empty space has 64 cells a tile,
-/// and a 3D texture 2048 an axis.
+/// Edge of the shape texture, texels (Schneider & Vos 2015).
+const SHAPE_TEXELS: u32 = 128;
+/// Edge of the detail texture, texels.
+const DETAIL_TEXELS: u32 = 32;
+/// Edge of the weather map, texels.
+const WEATHER_TEXELS: u32 = 512;
+/// Most shape tiles that the decks span in height: a grid of its empty space has 64 cells a tile, and a 3D texture 2048 an
+/// axis.
 const MAX_TILES_HIGH: f64 = 31.0;
 /// Most shape tiles in the whole field, weather tile squared times the decks' height: 64³ cells each, 512 MiB in all.
 const MAX_TILES: f64 = 2048.0;
-
-/// Where the dimensionless density in `[0, ∞)` comes from; extinction = density × `medium.extinction_per_m`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum Density {
-    /// The same value everywhere in the container; for analytic checks.
-    Uniform {
-        /// Density, ≥ 0.
-        value: f64,
-    },
-    /// Weather map, Perlin–Worley shape and Worley erosion (Schneider & Vos 2015, Schneider 2017, Hillaire 2016).
-    Procedural(Procedural),
-    /// A NumPy array that fills a box container, samples at cell centres, clamped trilinear interpolation.
-    Volume(Volume),
-}
 
 /// Procedural clouds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -73,68 +73,104 @@ pub struct Deck {
     pub cloud_type: [f64; 2],
 }
 
-/// An imported volume.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Volume {
-    /// `.npy` file of three axes (floats of 16 to 64 bits, integers or bool, in either byte and axis order), or an array of
-    /// a `.npz` archive: its only one, or `FILE.npz:NAME`. Relative to the scene file; `--volume` overrides it.
-    pub path: PathBuf,
-    /// Index (0, 1, 2) of the array axis that points up. Of the others the earlier is world z, the later world x.
-    #[schemars(range(max = 2))]
-    pub up_axis: u8,
-}
-
-impl Density {
-    pub(super) fn validate(&self, container: &Container) -> Result<(), Problem> {
-        match self {
-            Self::Uniform { value } => check("/density/uniform/value", *value, "0…1e12", |v| {
-                (0.0..=MAX_MAGNITUDE).contains(&v)
-            }),
-            Self::Procedural(p) => p.validate(container),
-            Self::Volume(v) => {
-                check(
-                    "/density/volume/up_axis",
-                    f64::from(v.up_axis),
-                    "0, 1 or 2",
-                    |a| a <= 2.0,
-                )?;
-                v.check_path()?;
-                match container {
-                    Container::Box { .. } => Ok(()),
-                    Container::Shell { .. } => Err(Problem::new(
-                        "/container",
-                        "an imported volume fills a `box` container, not a `shell`",
-                    )),
-                }
-            }
-        }
+impl DensityField for Procedural {
+    fn validate(&self, container: &Container) -> Result<(), Problem> {
+        self.validate_numbers()?;
+        self.validate_decks(container)?;
+        self.validate_extent()
     }
-}
 
-impl Volume {
-    /// Refuses a path that no file system takes or that no record can hold: JSON is UTF-8.
-    pub(crate) fn check_path(&self) -> Result<(), Problem> {
-        let refuse = |message: String| Err(Problem::new("/density/volume/path", message));
-        let bytes = self.path.as_os_str().len();
-        if bytes > MAX_PATH_BYTES {
-            return refuse(format!(
-                "the path has {bytes} bytes, at most {MAX_PATH_BYTES} are opened"
-            ));
-        }
-        match self.path.to_str() {
-            Some(_) => Ok(()),
-            None => refuse(format!(
-                "`{}` is not UTF-8, as JSON and so every record is; the file or one of its folders needs another name",
-                self.path.display()
-            )),
-        }
+    fn shader(&self) -> Cow<'static, str> {
+        device::SHADER.into()
+    }
+
+    fn defs(&self) -> Defs {
+        device::defs(self, self.decks.len())
+    }
+
+    fn build(&self, gpu: &Gpu, around: &Surroundings) -> Result<DeviceField> {
+        device::build(gpu, self, around)
+    }
+
+    fn twin(
+        &self,
+        container: &Container,
+        extinction_per_m: f64,
+        filter: Filter,
+    ) -> Result<Option<Box<dyn DensityTwin>>> {
+        let clouds = twin::Clouds::new(self, container, extinction_per_m, filter)?;
+        Ok(Some(Box::new(clouds)))
+    }
+
+    /// Noise is read through the sampler, whose weights have few bits.
+    fn filters(&self) -> &'static [Filter] {
+        &[Filter::Exact, Filter::EightBit]
+    }
+
+    fn seed_mut(&mut self) -> Option<&mut u32> {
+        Some(&mut self.seed)
+    }
+
+    fn controls(&mut self) -> Vec<Control<'_>> {
+        let many = self.decks.len() > 1;
+        let decks = self.decks.iter_mut().enumerate();
+        let coverage = decks.map(|(i, deck)| Control {
+            name: match many {
+                true => format!("coverage of deck {}", i + 1),
+                false => "coverage".to_owned(),
+            },
+            doc: "Share of vertical columns whose opacity exceeds 0.5.",
+            unit: "",
+            value: ControlValue::Real(&mut deck.coverage, 0.0..=1.0),
+        });
+        let mut controls: Vec<_> = coverage.collect();
+        controls.push(Control {
+            name: "seed".to_owned(),
+            doc: "Of all noise: another sky of the same kind.",
+            unit: "",
+            value: ControlValue::Whole(&mut self.seed, 0..=9999),
+        });
+        controls
+    }
+
+    /// With and without detail and precipitation, last two decks with both.
+    fn examples(container: &Container, _folder: &Path) -> Result<Vec<Self>> {
+        let (low_m, high_m) = container.height_range_m();
+        let middle_m = 0.5 * (low_m + high_m);
+        let deck = |base_m, top_m| Deck {
+            base_m,
+            top_m,
+            coverage: 0.5,
+            cloud_type: [0.6, 1.0],
+        };
+        let shape_tile_m = (2.0 * (high_m - low_m)).clamp(100.0, 1e5);
+        let field = |has_detail: bool, precipitation_gain, decks| Self {
+            seed: 1,
+            weather_tile_m: 2.0 * shape_tile_m,
+            shape_tile_m,
+            detail: has_detail.then_some(Detail {
+                tile_m: (0.125 * shape_tile_m).min(1e4),
+                strength: 0.3,
+            }),
+            precipitation_gain,
+            decks,
+        };
+        let whole = || vec![deck(low_m, high_m)];
+        Ok(vec![
+            field(false, None, whole()),
+            field(true, None, whole()),
+            field(false, Some(0.5), whole()),
+            field(
+                true,
+                Some(0.5),
+                vec![deck(low_m, middle_m), deck(middle_m, high_m)],
+            ),
+        ])
     }
 }
 
 impl Procedural {
-    fn validate(&self, container: &Container) -> Result<(), Problem> {
-        let at = |field: &str| format!("/density/procedural/{field}");
+    fn validate_numbers(&self) -> Result<(), Problem> {
         check(
             &at("shape_tile_m"),
             self.shape_tile_m,
@@ -161,6 +197,10 @@ impl Procedural {
                 (0.0..=10.0).contains(&v)
             })?;
         }
+        Ok(())
+    }
+
+    fn validate_decks(&self, container: &Container) -> Result<(), Problem> {
         if self.decks.is_empty() || self.decks.len() > 2 {
             return Err(Problem::new(
                 at("decks"),
@@ -186,7 +226,7 @@ impl Procedural {
                 (0.0..=1.0).contains(&v)
             })?;
         }
-        self.validate_extent()
+        Ok(())
     }
 
     /// The grid of provably empty space covers weather tile × weather tile × decks: it must fit memory and a texture.
@@ -211,4 +251,14 @@ impl Procedural {
             |v| v <= MAX_TILES,
         )
     }
+}
+
+/// Where a member of the field stands in a scene.
+fn at(member: &str) -> String {
+    format!("/density/procedural/{member}")
+}
+
+/// The second deck reads the weather map elsewhere, so that it does not repeat the first.
+fn weather_offset(deck: usize) -> f64 {
+    0.37 * deck as f64
 }

@@ -1,13 +1,14 @@
 //! Procedural clouds in f64: density of the decks, and the thresholds that give them their coverage.
 
+use super::bounds::Bounds;
+use super::calibrate::{CALIBRATION_COLUMNS, CALIBRATION_STEPS, search};
 use super::noise::{detail, shape, weather};
-use super::texture::{Filter, Texture};
-use crate::density::bounds::Bounds;
-use crate::density::calibrate::{CALIBRATION_COLUMNS, CALIBRATION_STEPS, search};
+use super::{Deck, Procedural, weather_offset};
+use crate::container::Container;
+use crate::density::DensityTwin;
 use crate::density::occupancy::Occupancy;
-use crate::density::weather_offset;
+use crate::density::texture::{Filter, Texture};
 use crate::error::Result;
-use crate::scene::{Deck, Procedural};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::LN_2;
@@ -15,6 +16,7 @@ use std::f64::consts::LN_2;
 /// A field with its textures.
 pub(super) struct Clouds {
     field: Procedural,
+    container: Container,
     weather: Texture,
     shape: Texture,
     detail: Option<Texture>,
@@ -58,9 +60,15 @@ fn height_gradient(h: f64, cloud_type: f64) -> f64 {
 
 impl Clouds {
     /// Makes the textures and calibrates every deck for `extinction_per_m`.
-    pub fn new(field: &Procedural, extinction_per_m: f64, filter: Filter) -> Result<Self> {
+    pub fn new(
+        field: &Procedural,
+        container: &Container,
+        extinction_per_m: f64,
+        filter: Filter,
+    ) -> Result<Self> {
         let mut clouds = Self {
             field: field.clone(),
+            container: container.clone(),
             weather: weather(field.seed, filter),
             shape: shape(field.seed, filter),
             detail: field.detail.as_ref().map(|_| detail(field.seed, filter)),
@@ -72,30 +80,6 @@ impl Clouds {
             clouds.thresholds.push(threshold);
         }
         Ok(clouds)
-    }
-
-    /// Where these clouds provably are not.
-    pub fn occupancy(&self) -> Occupancy {
-        Bounds::new(
-            self.shape.bytes(),
-            self.weather.bytes(),
-            &self.field,
-            &self.thresholds,
-        )
-        .occupancy()
-    }
-
-    /// Weather threshold of each deck.
-    pub fn thresholds(&self) -> &[f64] {
-        &self.thresholds
-    }
-
-    /// Density at a point of the field: the denser of the decks.
-    pub fn density(&self, q: DVec3) -> f64 {
-        let decks = self.field.decks.iter().zip(&self.thresholds).enumerate();
-        decks
-            .map(|(i, (deck, threshold))| self.deck_density(q, i, deck, *threshold))
-            .fold(0.0, f64::max)
     }
 
     fn deck_density(&self, q: DVec3, index: usize, deck: &Deck, threshold: f64) -> f64 {
@@ -170,5 +154,25 @@ impl Clouds {
         let rows = (0..n).into_par_iter();
         let count: usize = rows.map(|z| (0..n).filter(|x| opaque(*x, z)).count()).sum();
         count as f64 / f64::from(n * n)
+    }
+}
+
+impl DensityTwin for Clouds {
+    /// The denser of the decks.
+    fn density(&self, p: DVec3) -> f64 {
+        let q = self.container.field_point(p);
+        let decks = self.field.decks.iter().zip(&self.thresholds).enumerate();
+        decks
+            .map(|(i, (deck, threshold))| self.deck_density(q, i, deck, *threshold))
+            .fold(0.0, f64::max)
+    }
+
+    fn occupancy(&self) -> Option<Occupancy> {
+        let (shape, weather) = (self.shape.bytes(), self.weather.bytes());
+        Some(Bounds::new(shape, weather, &self.field, &self.thresholds).occupancy())
+    }
+
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 }

@@ -1,18 +1,18 @@
 //! Coverage: the weather threshold at which a deck covers the wanted share of columns.
 
-use super::procedural::{defs, field_values};
+use super::device::{SHADER, defs, field_values};
+use super::{Deck, Procedural};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, Inputs, Kernel, Program, Resource, UniformValue, read_buffer};
-use crate::scene::{Deck, Procedural};
 
 /// Columns along one axis, and samples a column, that calibrate coverage.
-pub(crate) const CALIBRATION_COLUMNS: u32 = 160;
-pub(crate) const CALIBRATION_STEPS: u32 = 96;
+pub(super) const CALIBRATION_COLUMNS: u32 = 160;
+pub(super) const CALIBRATION_STEPS: u32 = 96;
 /// Optical depth at which a column's opacity is 0.5.
 const HALF_OPAQUE_TAU: f32 = std::f32::consts::LN_2;
 
 /// (threshold, measured share) by bisection: the share that `measure` finds grows with the threshold.
-pub(crate) fn search(
+pub(super) fn search(
     index: usize,
     deck: &Deck,
     measure: impl Fn(f64) -> Result<f64>,
@@ -54,13 +54,10 @@ pub(super) struct Calibrator {
 }
 
 impl Calibrator {
-    pub fn new(gpu: &Gpu, field: &Procedural, container_shader: &'static str) -> Result<Self> {
+    pub fn new(gpu: &Gpu, field: &Procedural, container_shader: &str) -> Result<Self> {
         let program = Program {
             entry: "noise/columns.wgsl",
-            roles: vec![
-                ("container", container_shader),
-                ("density", "density/procedural.wgsl"),
-            ],
+            roles: vec![("container", container_shader), ("density", SHADER)],
             defs: defs(field, 1),
         };
         let size = u64::from(CALIBRATION_COLUMNS).pow(2) * 4;

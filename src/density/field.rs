@@ -1,0 +1,180 @@
+//! What a kind of density field says of itself, and what it is built into.
+
+use super::Density;
+use super::occupancy::Occupancy;
+use super::texture::Filter;
+use crate::container::Container;
+use crate::error::Result;
+use crate::gpu::{Defs, Gpu, Inputs};
+use crate::problem::Problem;
+use glam::DVec3;
+use std::borrow::Cow;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+/// A kind of density field; implemented by the struct of its parameters.
+pub trait DensityField {
+    /// Checks everything that types cannot: ranges, order, finiteness, whether it fits the container. Pointers start at
+    /// `/density/<name>`.
+    fn validate(&self, container: &Container) -> Result<(), Problem>;
+
+    /// WGSL file that evaluates it, path below `shaders/`.
+    fn shader(&self) -> Cow<'static, str>;
+
+    /// Definitions that the file is compiled with: its structure at these parameters.
+    fn defs(&self) -> Defs {
+        Defs::new()
+    }
+
+    /// The field on the device; [`DeviceField::new`] fills in what is the same for all.
+    fn build(&self, gpu: &Gpu, around: &Surroundings) -> Result<DeviceField>;
+
+    /// The field in f64 on the CPU, with textures filtered as `filter` says; `None` where there is no such twin, so that
+    /// the oracle refuses scenes with it.
+    fn twin(
+        &self,
+        _container: &Container,
+        _extinction_per_m: f64,
+        _filter: Filter,
+    ) -> Result<Option<Box<dyn DensityTwin>>> {
+        Ok(None)
+    }
+
+    /// How devices may filter the textures that it reads. More than one where their hardware filters, and each in its own
+    /// way: comparisons then ask the twin for each and take the nearest.
+    fn filters(&self) -> &'static [Filter] {
+        &[Filter::Exact]
+    }
+
+    /// Whether density is the same everywhere, so that the truth needs no small steps.
+    fn is_uniform(&self) -> bool {
+        false
+    }
+
+    /// The file that it reads. A name in it stands behind a colon: `clouds.npz:density`.
+    fn input_file(&self) -> Option<&Path> {
+        None
+    }
+
+    /// The same, to be changed.
+    fn input_file_mut(&mut self) -> Option<&mut PathBuf> {
+        None
+    }
+
+    /// Seed of its noise.
+    fn seed_mut(&mut self) -> Option<&mut u32> {
+        None
+    }
+
+    /// Numbers that the window offers to change, in the order in which they are shown.
+    fn controls(&mut self) -> Vec<Control<'_>> {
+        Vec::new()
+    }
+
+    /// Fields that between them have every structure of the shader, valid in `container`; none where the kind does not go
+    /// with such a container, but some in a box or in a shell. Clouds of them fill its height, so that they are opaque
+    /// enough to be calibrated when that is a few tens of mean free paths. The last has the most structure. What they read
+    /// is written below `folder`.
+    fn examples(container: &Container, folder: &Path) -> Result<Vec<Self>>
+    where
+        Self: Sized;
+}
+
+/// An entry of the registry.
+pub struct DensityKind {
+    /// Name in JSON.
+    pub name: &'static str,
+    /// See [`DensityField::examples`].
+    pub examples: fn(&Container, &Path) -> Result<Vec<Density>>,
+}
+
+/// What a field is built in.
+pub struct Surroundings<'a> {
+    /// The region that it fills.
+    pub container: &'a Container,
+    /// Extinction at density 1, m⁻¹.
+    pub extinction_per_m: f64,
+    /// File that plays the role `container`, for passes that evaluate the field while it is built.
+    pub container_shader: &'a str,
+    /// Uniforms of group 0, for the same passes.
+    pub inputs: &'a Inputs,
+}
+
+/// A density field ready to be bound.
+pub struct DeviceField {
+    /// File that plays the role `density`.
+    pub shader: Cow<'static, str>,
+    /// Structure of the field: decks, detail, precipitation.
+    pub defs: Defs,
+    /// Textures, buffers and uniforms of group 1.
+    pub inputs: Inputs,
+    /// What it took to build, for reports.
+    pub built: Built,
+    /// Identifies imported data; empty for fields that the scene's JSON determines.
+    pub content_hash: String,
+}
+
+impl DeviceField {
+    /// `field` with what its shader binds; no facts, no imported data.
+    pub fn new(field: &dyn DensityField, inputs: Inputs) -> Self {
+        Self {
+            shader: field.shader(),
+            defs: field.defs(),
+            inputs,
+            built: Built::default(),
+            content_hash: String::new(),
+        }
+    }
+}
+
+/// Facts about a field.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Built {
+    /// Time for noise textures, ms of wall time with the queue drained; `None` without noise.
+    pub noise_ms: Option<f64>,
+    /// Share of the occupancy grid's cells that are provably empty; `None` without a grid.
+    pub empty_fraction: Option<f64>,
+    /// Covered share of each deck as measured after calibration.
+    pub measured_coverage: Vec<f64>,
+}
+
+/// A density field in f64 on the CPU.
+pub trait DensityTwin: Send + Sync {
+    /// Density at a point inside the container, world metres.
+    fn density(&self, p: DVec3) -> f64;
+
+    /// Where it provably is 0; `None` where nothing is known. Made once.
+    fn occupancy(&self) -> Option<Occupancy> {
+        None
+    }
+
+    /// Weather thresholds that give each deck its coverage; empty for fields without decks.
+    fn thresholds(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Identifies imported data; empty for fields that the scene's JSON determines.
+    fn content_hash(&self) -> String {
+        String::new()
+    }
+}
+
+/// A number of a field that the window offers to change.
+pub struct Control<'a> {
+    /// Label.
+    pub name: String,
+    /// One sentence that is shown beside it.
+    pub doc: &'static str,
+    /// Unit behind the number, with its leading blank; empty for a plain number.
+    pub unit: &'static str,
+    /// The number and its range.
+    pub value: ControlValue<'a>,
+}
+
+/// The number behind a [`Control`].
+pub enum ControlValue<'a> {
+    /// A real number.
+    Real(&'a mut f64, RangeInclusive<f64>),
+    /// A whole number.
+    Whole(&'a mut u32, RangeInclusive<u32>),
+}
