@@ -157,7 +157,15 @@ fn render_and_diff_measure_what_a_method_loses() {
         assert!(output.status.success(), "{}", stderr(&output));
         serde_json::from_slice(&output.stdout).unwrap()
     };
-    assert_eq!(diff("truth.exr", "truth.exr")["rel_rmse"], json!(0.0));
+    let equal = diff("truth.exr", "truth.exr");
+    assert_eq!(equal["rel_rmse"], json!(0.0));
+    let keys = occlab::metrics::METRICS.iter().map(|metric| metric.key);
+    let printed = equal.as_object().unwrap().keys().map(String::as_str);
+    let printed: Vec<&str> = printed.collect();
+    assert_eq!(
+        printed,
+        keys.chain(["cloud_pixel_fraction"]).collect::<Vec<_>>()
+    );
     assert!(
         diff("truth.exr", "none.exr")["leak"].as_f64().unwrap() > 0.1,
         "no shadow at all must leak"

@@ -8,6 +8,7 @@ mod decompose;
 mod flicker;
 mod identity;
 pub(crate) mod lock;
+pub mod numbers;
 mod pictures;
 mod plan;
 mod reconstruct;

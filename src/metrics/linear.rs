@@ -1,13 +1,25 @@
 //! Errors of the sun-lit radiance, in linear light, over cloud pixels.
 
-use super::{CLOUD_OPACITY, EDGE_OPACITY};
-use super::{ErrorNumbers, Unlit};
+use super::pair::Pair;
+use super::{CLOUD_OPACITY, EDGE_OPACITY, Unlit};
 use crate::frame::{Frame, is_nonfinite, nearest_rank};
 
-/// The linear half of a comparison; the perceptual fields of `error` are left at 0.
+/// Errors in linear light; [`super::METRICS`] defines them.
 pub(super) struct Linear {
-    /// The numbers.
-    pub error: ErrorNumbers,
+    /// √ΣΔ² / √ΣL².
+    pub rel_rmse: f64,
+    /// ΣΔ / ΣL.
+    pub bias: f64,
+    /// Σmax(Δ, 0) / ΣL.
+    pub leak: f64,
+    /// Σmin(Δ, 0) / ΣL.
+    pub darken: f64,
+    /// 99th percentile of |Δ| / mean L.
+    pub p99_abs: f64,
+    /// Largest |Δ| / mean L.
+    pub max_abs: f64,
+    /// ΣΔ / ΣL of edge pixels; `None` without lit ones.
+    pub edge_bias: Option<f64>,
     /// Cloud pixels / pixels.
     pub cloud_pixel_fraction: f64,
 }
@@ -23,8 +35,6 @@ struct Sums {
     squared: f64,
     /// ΣL².
     reference_squared: f64,
-    /// Σ(V̂ − V)².
-    transmittance: f64,
     /// ΣΔ of edge pixels.
     edge_delta: f64,
     /// ΣL of edge pixels.
@@ -33,7 +43,7 @@ struct Sums {
     pixels: usize,
 }
 
-/// Measures the sun-lit radiance and V of `test`; both frames have the same size and the reference is finite.
+/// Measures the sun-lit radiance of `test`; both frames have the same size and the reference is finite.
 pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear, Unlit> {
     let mean = mean_sun(reference)?;
     let mut sums = Sums::default();
@@ -56,24 +66,28 @@ pub(super) fn measure(reference: &Frame, test: &Frame) -> Result<Linear, Unlit> 
             }
             absolute.push(delta.abs());
         }
-        sums.transmittance += (value[3] - f64::from(truth[3])).powi(2);
     }
     let total = mean * absolute.len() as f64;
-    let error = ErrorNumbers {
+    Ok(Linear {
         rel_rmse: (sums.squared / sums.reference_squared).sqrt(),
         bias: (sums.over + sums.under) / total,
         leak: sums.over / total,
         darken: sums.under / total,
         max_abs: absolute.iter().fold(0.0, |a: f64, b| a.max(*b)) / mean,
         p99_abs: nearest_rank(&mut absolute, 0.99).unwrap_or(0.0) / mean,
-        transmittance_rmse: (sums.transmittance / sums.pixels as f64).sqrt(),
         edge_bias: (sums.edge_reference > 0.0).then(|| sums.edge_delta / sums.edge_reference),
-        ..ErrorNumbers::default()
-    };
-    Ok(Linear {
-        error,
         cloud_pixel_fraction: sums.pixels as f64 / reference.sun.len() as f64,
     })
+}
+
+/// √mean (V̂ − V)² over cloud pixels.
+pub(super) fn transmittance_rmse(pair: &Pair<'_>) -> f64 {
+    let (mut squared, mut pixels) = (0.0, 0_usize);
+    for (_, truth, value) in cloud_pairs(pair.reference, pair.test) {
+        squared += (value[3] - f64::from(truth[3])).powi(2);
+        pixels += 1;
+    }
+    (squared / pixels as f64).sqrt()
 }
 
 /// Mean L: the reference's sun-lit radiance averaged over the RGB channels of its cloud pixels, > 0, unit of radiance.
@@ -122,6 +136,7 @@ pub(super) fn readable(value: f32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::compare;
     use super::super::testing::{cloud, uniform};
     use super::*;
 
@@ -133,7 +148,7 @@ mod tests {
             let delta = if i % 2 == 0 { 0.25 } else { -0.25 };
             pixel[..3].iter_mut().for_each(|v| *v += delta);
         }
-        let got = measure(&truth, &test).unwrap().error;
+        let got = compare(&truth, &test).unwrap().error;
         assert_eq!((got.bias, got.leak, got.darken), (0.0, 0.25, -0.25));
         assert_eq!((got.rel_rmse, got.max_abs), (0.5, 0.5));
         assert_eq!(got.transmittance_rmse, 0.0);
@@ -144,10 +159,10 @@ mod tests {
         let truth = uniform(10, 10, 0.5);
         let mut test = truth.clone();
         test.sun[42] = [2.5, 2.5, 2.5, 0.5];
-        let got = measure(&truth, &test).unwrap().error;
+        let got = compare(&truth, &test).unwrap().error;
         assert_eq!((got.p99_abs, got.max_abs), (0.0, 4.0));
         test.sun[43][0] = 1.0;
-        assert_eq!(measure(&truth, &test).unwrap().error.p99_abs, 1.0);
+        assert_eq!(compare(&truth, &test).unwrap().error.p99_abs, 1.0);
     }
 
     #[test]
@@ -164,7 +179,7 @@ mod tests {
             }
         }
         test.radiance.iter_mut().for_each(|p| p[3] = 1.0);
-        let got = measure(&truth, &test).unwrap();
+        let got = compare(&truth, &test).unwrap();
         assert_eq!(
             (got.error.rel_rmse, got.error.transmittance_rmse),
             (0.0, 0.0)
@@ -186,9 +201,9 @@ mod tests {
         for (pixel, delta) in test.sun.iter_mut().zip([5.0, 0.25, -0.125, 7.0]) {
             pixel[..3].iter_mut().for_each(|v| *v += delta);
         }
-        assert_eq!(measure(&truth, &test).unwrap().error.edge_bias, Some(0.125));
+        assert_eq!(compare(&truth, &test).unwrap().error.edge_bias, Some(0.125));
         let dense = uniform(4, 1, 0.5);
-        assert_eq!(measure(&dense, &dense).unwrap().error.edge_bias, None);
+        assert_eq!(compare(&dense, &dense).unwrap().error.edge_bias, None);
     }
 
     #[test]

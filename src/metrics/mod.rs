@@ -12,11 +12,13 @@ mod difference;
 mod flicker;
 mod ghosting;
 mod linear;
-mod numbers;
+mod metric;
+mod pair;
 mod perceptual;
 mod refusal;
 mod ssim;
 mod stats;
+mod table;
 
 pub use difference::{
     DIFF_SCALE, delta_luminance, delta_rgb, difference, difference_picture, relative_rmse,
@@ -24,13 +26,15 @@ pub use difference::{
 pub use flicker::Flicker;
 pub use ghosting::ghosting;
 pub use linear::mean_sun;
-pub use numbers::ErrorNumbers;
+pub use metric::{Better, Format, Group, Metric, Origin, Recorded};
 pub use perceptual::PIXELS_PER_DEGREE;
 pub use refusal::{Incomparable, Unlit};
 pub use stats::{Stats, Thirds, summarise, thirds};
+pub use table::{ErrorNumbers, METRICS, arranged, metric};
 
 use crate::error::{Error, Result};
-use crate::frame::{Exposure, Frame, is_nonfinite, tone_map};
+use crate::frame::{Frame, is_nonfinite};
+use pair::Pair;
 
 /// Opacity above which a pixel of the reference is a cloud pixel.
 pub const CLOUD_OPACITY: f32 = 0.01;
@@ -41,7 +45,7 @@ pub const EDGE_OPACITY: f32 = 0.9;
 /// What [`compare`] finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// The numbers; `floor_rel_rmse`, `flicker` and `flicker_sun` are `None`, one picture cannot tell them.
+    /// The numbers; those that one picture cannot tell (every [`Origin`] but [`Origin::Pair`]) are `None`.
     pub error: ErrorNumbers,
     /// Cloud pixels / pixels, in `(0, 1]`.
     pub cloud_pixel_fraction: f64,
@@ -49,41 +53,13 @@ pub struct Comparison {
 
 /// Compares a picture with its truth, at one exposure taken from the truth.
 ///
-/// With Δ = test − reference, L the reference and sums over the RGB channels of the cloud pixels:
-///
-/// | number | formula | range |
-/// |---|---|---|
-/// | `rel_rmse` | √ΣΔ² / √ΣL² | ≥ 0 |
-/// | `bias` | ΣΔ / ΣL = `leak` + `darken` | real |
-/// | `leak` | Σmax(Δ, 0) / ΣL | ≥ 0 |
-/// | `darken` | Σmin(Δ, 0) / ΣL | ≤ 0 |
-/// | `p99_abs`, `max_abs` | nearest-rank 99th percentile, maximum of \|Δ\| / mean L | ≥ 0 |
-/// | `transmittance_rmse` | √mean (V̂ − V)² | `[0, 1]` for V in `[0, 1]` |
-/// | `edge_bias` | ΣΔ / ΣL over edge pixels, see [`EDGE_OPACITY`] | real, `None` without lit ones |
-/// | `flip_mean`, `flip_p99` | ꟻLIP, LDR, 67 pixels a degree (Andersson et al. 2020) | `[0, 1]` |
-/// | `psnr_db` | −10 log₁₀ MSE of RGB in `[0, 1]`, dB | ≥ 0, `None` when equal |
-/// | `ssim` | structural similarity of the luma (Wang et al. 2004) | `[−1, 1]`, 1 when equal |
-/// | `nonfinite` | NaN or infinite channels of the test, of 8 a pixel | ≥ 0 |
-///
-/// All but `psnr_db` and `nonfinite` are dimensionless numbers of the order of a relative error.
+/// [`METRICS`] and the fields of [`ErrorNumbers`] define the numbers, with L the sun-lit radiance of the reference,
+/// ΔL = test − reference and sums over the RGB channels of the cloud pixels. Edge pixels: see [`EDGE_OPACITY`].
 pub fn compare(reference: &Frame, test: &Frame) -> Result<Comparison, Incomparable> {
-    check_pair(reference, test)?;
-    let linear = linear::measure(reference, test)?;
-    let exposure = Exposure::from_reference(reference);
-    let size = (reference.width, reference.height);
-    let (truth, picture) = (tone_map(reference, exposure), tone_map(test, exposure));
-    let flip = perceptual::flip(size, &truth, &picture);
-    let error = ErrorNumbers {
-        flip_mean: flip.mean,
-        flip_p99: flip.p99,
-        psnr_db: perceptual::psnr_db(&truth, &picture),
-        ssim: ssim::ssim(size, &truth, &picture),
-        nonfinite: nonfinite(test),
-        ..linear.error
-    };
+    let pair = Pair::new(reference, test)?;
     Ok(Comparison {
-        error,
-        cloud_pixel_fraction: linear.cloud_pixel_fraction,
+        error: ErrorNumbers::of_pair(&pair),
+        cloud_pixel_fraction: pair.linear.cloud_pixel_fraction,
     })
 }
 
@@ -165,13 +141,14 @@ mod tests {
     fn identical_pictures_have_no_error() {
         let frame = cloud(48, 32);
         let got = compare(&frame, &frame).unwrap();
-        assert_eq!(
-            got.error,
-            ErrorNumbers {
-                ssim: 1.0,
-                ..ErrorNumbers::default()
-            }
-        );
+        for metric in METRICS {
+            let perfect = match metric.better {
+                Better::Lower | Better::Zero => 0.0,
+                Better::Higher => metric.range[1],
+            };
+            let value = (metric.get)(&got.error);
+            assert!(value.is_none_or(|value| value == perfect), "{metric:?}");
+        }
         assert_eq!(got.cloud_pixel_fraction, 0.75);
     }
 
@@ -210,6 +187,20 @@ mod tests {
         assert!(small.rel_rmse < large.rel_rmse && small.flip_mean < large.flip_mean);
         assert!(small.psnr_db > large.psnr_db && small.ssim > large.ssim);
         assert!(small.darken > large.darken && large.leak == 0.0);
+        for metric in METRICS {
+            let [small, large] = [small, large].map(|numbers| (metric.get)(&numbers));
+            let badness = |value: f64| match metric.better {
+                Better::Lower => value,
+                Better::Higher => -value,
+                Better::Zero => value.abs(),
+            };
+            assert!(small.map(badness) <= large.map(badness), "{metric:?}");
+            let possible = |value: f64| (metric.range[0]..=metric.range[1]).contains(&value);
+            assert!(
+                small.is_none_or(possible) && large.is_none_or(possible),
+                "{metric:?}"
+            );
+        }
     }
 
     #[test]
@@ -226,16 +217,8 @@ mod tests {
                 && got.transmittance_rmse > 0.0
                 && got.flip_mean > 0.0
         );
-        let numbers = [
-            got.rel_rmse,
-            got.bias,
-            got.leak,
-            got.p99_abs,
-            got.max_abs,
-            got.flip_p99,
-            got.ssim,
-        ];
-        assert!(numbers.iter().all(|v| v.is_finite()));
+        let numbers = METRICS.iter().filter_map(|metric| (metric.get)(&got));
+        assert!(numbers.into_iter().all(f64::is_finite));
         let mut all = truth.clone();
         all.sun.fill([f32::NAN; 4]);
         let all = compare(&truth, &all).unwrap().error;

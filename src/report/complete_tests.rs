@@ -2,8 +2,9 @@
 
 use super::fixture::report;
 use super::*;
+use crate::batch::numbers::{Shown, numbers as rows, study_names};
 use crate::batch::record::{Cell, Ghosting, Reconstruction};
-use crate::scene::CameraTrack;
+use crate::scene::{CameraTrack, Reconstruct};
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -109,6 +110,70 @@ fn every_number_has_its_column_where_no_cell_has_it() {
         .filter(|n| !temporal.iter().any(|t| n.starts_with(t)))
     {
         assert!(none.iter().any(|n| n == name), "{name}");
+    }
+}
+
+#[test]
+fn every_number_of_a_full_record_has_its_row_and_every_row_its_number() {
+    let measured = full().result.expect("numbers");
+    let mut expected = Vec::new();
+    numbers(&json!(measured), "", &mut expected);
+    // Movements are words of the experiment; pages draw their numbers as curves.
+    expected.retain(|(name, _)| !name.starts_with("reconstruction.ghosting."));
+    for (name, value) in &expected {
+        let row = rows().iter().find(|row| row.path == name);
+        let row = row.unwrap_or_else(|| panic!("`{name}` has no row"));
+        assert_eq!(row.value(&measured), Some(*value), "{name}");
+    }
+    for row in rows() {
+        let known = expected.iter().any(|(name, _)| name == row.path);
+        assert!(known, "`{}` is not in the record", row.path);
+        assert!(!row.label.is_empty() && row.doc.len() > 20, "{row:?}");
+    }
+    assert_eq!(rows().len(), expected.len());
+}
+
+#[test]
+fn every_number_reaches_the_page_or_is_kept_from_it_on_purpose() {
+    let dir = tempfile::tempdir().expect("folder");
+    let mut report = report();
+    let cell = Cell { index: 0, ..full() };
+    report.cells.truncate(1);
+    report.cells[0].result = cell.result;
+    report.cells[0].reconstruct = Reconstruct::Temporal2x2;
+    let page = write(dir.path(), &report).expect("report");
+    let page = std::fs::read_to_string(page).expect("page");
+    let text = |text: &str| maud::html! { (text) }.into_string();
+    let measured = report.cells[0].result.as_ref().expect("numbers");
+    for row in rows() {
+        let heading = format!(">{}", text(row.label));
+        let value = row
+            .value(measured)
+            .map(|value| format::written(row.format, value));
+        let value = format!(">{}</td>", value.expect("a full record"));
+        match row.shown {
+            Shown::Cells => {
+                assert!(page.contains(&heading) && page.contains(&value), "{row:?}");
+                assert!(page.contains(&text(row.doc)), "{row:?} is not defined");
+            }
+            Shown::Decomposition | Shown::Temporal => {
+                assert!(page.contains(&heading) && page.contains(&value), "{row:?}");
+            }
+            Shown::Clock | Shown::Nowhere => {}
+        }
+    }
+}
+
+#[test]
+fn numbers_that_the_readme_names_exist() {
+    let readme = include_str!("../../README.md");
+    let section = readme.split("## What the numbers mean").nth(1);
+    let section = section.and_then(|rest| rest.split("\n## ").next());
+    let bold = section.expect("the section").split("**").skip(1).step_by(2);
+    let names: Vec<&str> = bold.filter(|name| name.contains('_')).collect();
+    assert!(names.len() >= 5, "{names:?}");
+    for name in names {
+        assert!(study_names().any(|known| known == name), "{name}");
     }
 }
 

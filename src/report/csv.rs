@@ -1,14 +1,12 @@
 //! `cells.csv`: one row a cell, every scalar of the record under its dotted name.
 
 use super::fields;
+use crate::batch::numbers::TEMPORAL;
 use crate::batch::record::Report;
 use crate::error::{Error, Result};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
-
-/// What begins the names of measurements that only temporal integration has.
-const TEMPORAL: [&str; 2] = ["time_ms.reconstruct.", "reconstruction."];
 
 /// The table as text. Columns: the cell's key, `params.*` and `scene_set.*` as the union over all cells, `failed`, the
 /// measurements, those of temporal integration where a cell has them, `files.*`. A value that a cell does not have is empty.

@@ -280,13 +280,11 @@ fn errors(rel_rmse: f64, has_map: bool) -> ErrorNumbers {
         transmittance_rmse: 0.5 * rel_rmse,
         edge_bias: Some(0.3 * rel_rmse),
         floor_rel_rmse: has_map.then_some(0.07),
-        flicker: None,
-        flicker_sun: None,
         flip_mean: (0.2 * rel_rmse).min(1.0),
         flip_p99: (0.5 * rel_rmse).min(1.0),
         psnr_db: Some(20.0 - 8.7 * rel_rmse.ln()),
         ssim: 1.0 - (0.2 * rel_rmse).min(0.9),
-        nonfinite: 0,
+        ..ErrorNumbers::default()
     }
 }
 

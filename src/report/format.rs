@@ -1,5 +1,7 @@
 //! Numbers as people read them. Nothing here rounds to a false zero, and what is absent is "n/a".
 
+use crate::metrics::{ErrorNumbers, Format, Metric};
+
 /// What stands where there is no number.
 pub const NONE: &str = "n/a";
 
@@ -22,6 +24,24 @@ pub fn maybe(value: Option<f64>) -> String {
     value
         .filter(|v| v.is_finite())
         .map_or_else(|| NONE.to_owned(), number)
+}
+
+/// A number as its row of the table of numbers says.
+pub fn written(format: Format, value: f64) -> String {
+    match format {
+        Format::Number => number(value),
+        Format::Percent => percent(value),
+        Format::SignedPercent => signed_percent(value),
+        Format::Integer => value.to_string(),
+        Format::Count => count(value as u64),
+        Format::Bytes => bytes(value as u64),
+    }
+}
+
+/// An error number as pages write it, or "n/a".
+pub fn error(metric: &Metric, numbers: &ErrorNumbers) -> String {
+    let value = (metric.get)(numbers).filter(|v| v.is_finite());
+    value.map_or_else(|| NONE.to_owned(), |v| written(metric.format, v))
 }
 
 /// A share with its sign, in per cent: `+4.2 %`.

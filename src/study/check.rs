@@ -1,7 +1,8 @@
 //! Whether everything a study asks for can be in its records, before hours are spent on them: every pick against the
 //! expanded matrices, every number by its name.
 
-use super::select::{self, METRICS};
+use super::select;
+use crate::batch::numbers::{study_names, study_number};
 use crate::batch::planned_cell;
 use crate::batch::record::Cell;
 use crate::config::{Evidence, Matrix, Pick, Quantity, Question, Study, Test, suggestion};
@@ -200,7 +201,7 @@ impl Planned<'_> {
     fn curve(&self, place: &str, metric: &str, of: &Pick, along: &str) -> Result<()> {
         self.metric(place, metric)?;
         let fitting = self.some(place, of)?;
-        let measured = METRICS.contains(&along);
+        let measured = study_number(along).is_some();
         match measured || fitting.iter().all(|c| select::value_of(c, along).is_some()) {
             true => Ok(()),
             false => {
@@ -229,11 +230,11 @@ impl Planned<'_> {
     }
 
     fn metric(&self, place: &str, name: &str) -> Result<()> {
-        if METRICS.contains(&name) {
+        if study_number(name).is_some() {
             return Ok(());
         }
-        let hint = suggestion(name, METRICS);
-        let known = METRICS.join(", ");
+        let hint = suggestion(name, study_names());
+        let known = study_names().collect::<Vec<_>>().join(", ");
         Err(Error::input(
             format!("study `{}`, {place}", self.study.name),
             format!("no number is named `{name}`"),

@@ -4,6 +4,7 @@
 
 use super::interval::Interval;
 use super::paired::{Block, Repeated};
+use crate::batch::numbers::study_number;
 use crate::batch::record::{Cell, Measured, Report};
 use crate::config::{Pick, Quantity, Series};
 use crate::metrics::Stats;
@@ -213,65 +214,18 @@ pub fn value_of(cell: &Cell, axis: &str) -> Option<f64> {
     }
 }
 
-/// Names of the numbers that [`metric`] knows.
-pub const METRICS: [&str; 21] = [
-    "total_ms",
-    "generate_ms",
-    "payload_bytes",
-    "map_bytes",
-    "rel_rmse",
-    "floor_rel_rmse",
-    "bias",
-    "leak",
-    "darken",
-    "p99_abs",
-    "max_abs",
-    "transmittance_rmse",
-    "edge_bias",
-    "flip_mean",
-    "flip_p99",
-    "psnr_db",
-    "ssim",
-    "nonfinite",
-    "flicker",
-    "flicker_sun",
-    "cloud_pixel_fraction",
-];
-
-/// A number of a cell. Times have the spread of their repeats, all else none.
+/// A number of a cell by its name, one of [`study_names`](crate::batch::numbers::study_names). Times have the spread of
+/// their repeats, all else none.
 pub fn metric(found: &Found<'_>, name: &str) -> Result<Repeated, String> {
-    let numbers = found.numbers;
-    let (time, error, memory) = (&numbers.time_ms, &numbers.error, &numbers.memory);
-    let exact = match name {
-        "total_ms" => {
-            let stats = found.report.clock().cost(time);
-            return spread(found, &numbers.rounds_total_ms, stats, name);
-        }
-        "generate_ms" => return spread(found, &numbers.rounds_generate_ms, time.generate, name),
-        "payload_bytes" => Some(memory.payload_bytes as f64),
-        "map_bytes" => Some(memory.map_bytes as f64),
-        "rel_rmse" => Some(error.rel_rmse),
-        "floor_rel_rmse" => error.floor_rel_rmse,
-        "bias" => Some(error.bias),
-        "leak" => Some(error.leak),
-        "darken" => Some(-error.darken),
-        "p99_abs" => Some(error.p99_abs),
-        "max_abs" => Some(error.max_abs),
-        "transmittance_rmse" => Some(error.transmittance_rmse),
-        "edge_bias" => error.edge_bias,
-        "flip_mean" => Some(error.flip_mean),
-        "flip_p99" => Some(error.flip_p99),
-        "psnr_db" => error.psnr_db,
-        "ssim" => Some(error.ssim),
-        "nonfinite" => Some(error.nonfinite as f64),
-        "flicker" => error.flicker,
-        "flicker_sun" => error.flicker_sun,
-        "cloud_pixel_fraction" => Some(numbers.cloud_pixel_fraction),
-        _ => return Err(format!("no number is named `{name}`")),
-    };
-    let missing = || format!("{} has no {name}", found.cell.method);
-    let exact = exact.map(|value| Interval::exact(value).into());
-    exact.ok_or_else(missing)
+    let number = study_number(name).ok_or_else(|| format!("no number is named `{name}`"))?;
+    if let Some(repeats) = number.repeats {
+        let stats = (repeats.stats)(found.numbers, found.report.clock());
+        return spread(found, (repeats.rounds)(found.numbers), stats, name);
+    }
+    let value = number.study_value(found.numbers);
+    value
+        .map(|value| Interval::exact(value).into())
+        .ok_or_else(|| format!("{} has no {name}", found.cell.method))
 }
 
 /// A time by its rounds; by its statistics where the rounds are not recorded, as with the wall clock. Where a round has no
@@ -313,6 +267,8 @@ pub fn ratio(of: &Found<'_>, to: &Found<'_>, name: &str) -> Result<Repeated, Str
 mod tests {
     use super::super::fixture::Made;
     use super::*;
+    use crate::batch::numbers::study_names;
+    use crate::metrics::METRICS;
     use serde_json::json;
 
     #[test]
@@ -320,20 +276,28 @@ mod tests {
         let mut made = Made::new(&["a"]);
         let cell = made.cell("a", json!({}), &[1.0, 2.0, 3.0]);
         if let Some(result) = &mut cell.result {
-            (result.error.flicker, result.error.flicker_sun) = (Some(0.1), Some(0.2));
-            result.error.psnr_db = Some(40.0);
+            let keys = METRICS.iter().map(|metric| metric.key.to_owned());
+            let all: Value = keys.map(|key| (key, json!(1))).collect();
+            result.error = serde_json::from_value(all).unwrap();
             result.error.darken = -0.25;
         }
         let records = made.records();
         let pick = super::super::fixture::pick("a", json!({}));
         let found = records.find(&pick).unwrap();
-        for name in METRICS {
+        for name in study_names() {
             metric(&found, name).unwrap();
         }
-        for field in crate::report::fields::measured() {
-            if let Some(name) = field.name.strip_prefix("error.") {
-                assert!(METRICS.contains(&name), "`{name}` cannot be asked for");
-            }
+        for error in METRICS {
+            assert!(study_names().any(|name| name == error.key), "{error:?}");
+        }
+        for name in [
+            "total_ms",
+            "generate_ms",
+            "payload_bytes",
+            "map_bytes",
+            "cloud_pixel_fraction",
+        ] {
+            assert!(study_names().any(|known| known == name), "{name}");
         }
         assert_eq!(metric(&found, "darken").unwrap().interval.value, 0.25);
         let error = metric(&found, "beauty").unwrap_err();

@@ -2,8 +2,9 @@
 
 use super::app::{App, Slot};
 use super::ink::ink;
+use crate::batch::numbers::study_number;
 use crate::cost::PassTimes;
-use crate::metrics::{Comparison, summarise};
+use crate::metrics::{Comparison, Format, Origin, arranged, summarise};
 use crate::report::format::{bytes, maybe, ms, number};
 use eframe::egui;
 use egui_plot::{Legend, Line, Plot, PlotPoints};
@@ -25,13 +26,7 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
 }
 
 /// A table with a column for each side; `None` = not measured yet.
-fn table(
-    app: &App,
-    ui: &mut egui::Ui,
-    name: &str,
-    sides: &[usize],
-    rows: &[(&str, &str, Vec<Option<String>>)],
-) {
+fn table(app: &App, ui: &mut egui::Ui, name: &str, sides: &[usize], rows: &[Row]) {
     egui::Grid::new(name).striped(true).show(ui, |ui| {
         ui.label("");
         for side in sides {
@@ -176,77 +171,33 @@ fn errors(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
     ui.small(state);
 }
 
-/// The error numbers that one picture tells, with their definitions.
-fn error_rows(
-    compared: &[Option<Comparison>],
-) -> Vec<(&'static str, &'static str, Vec<Option<String>>)> {
-    let row = |name, doc, of: &dyn Fn(&Comparison) -> String| {
-        (
-            name,
-            doc,
-            compared.iter().map(|c| c.as_ref().map(of)).collect(),
-        )
+/// A row of a table: name, definition and a value for each side.
+type Row = (&'static str, &'static str, Vec<Option<String>>);
+
+/// The error numbers that one picture tells, by their names and values in a record.
+fn error_rows(compared: &[Option<Comparison>]) -> Vec<Row> {
+    let values = |of: &dyn Fn(&Comparison) -> String| {
+        let value = |c: &Option<Comparison>| c.as_ref().map(of);
+        compared.iter().map(value).collect()
     };
-    vec![
-        row(
-            "rel_rmse",
-            "√Σ(L̂−L)² / √ΣL² of sun-lit radiance over cloud pixels",
-            &|c| number(c.error.rel_rmse),
-        ),
-        row("bias", "ΣΔL / ΣL = leak + darken", &|c| {
-            number(c.error.bias)
-        }),
-        row(
-            "leak",
-            "Σmax(ΔL, 0) / ΣL: light where there should be shadow",
-            &|c| number(c.error.leak),
-        ),
-        row(
-            "darken",
-            "Σmin(ΔL, 0) / ΣL: shadow where there should be light",
-            &|c| number(c.error.darken),
-        ),
-        row("p99_abs", "99th percentile of |ΔL| / mean L", &|c| {
-            number(c.error.p99_abs)
-        }),
-        row("max_abs", "Largest |ΔL| / mean L", &|c| {
-            number(c.error.max_abs)
-        }),
-        row(
-            "transmittance_rmse",
-            "RMSE of the light transmittance itself",
-            &|c| number(c.error.transmittance_rmse),
-        ),
-        row(
-            "edge_bias",
-            "ΣΔL / ΣL where the truth's opacity is at most 0.9",
-            &|c| maybe(c.error.edge_bias),
-        ),
-        row("flip_mean", "Mean FLIP, LDR, 67 pixels a degree", &|c| {
-            number(c.error.flip_mean)
-        }),
-        row("flip_p99", "99th percentile of FLIP", &|c| {
-            number(c.error.flip_p99)
-        }),
-        row(
-            "psnr_db",
-            "Peak signal-to-noise ratio of the tone-mapped picture, dB",
-            &|c| maybe(c.error.psnr_db),
-        ),
-        row(
-            "ssim",
-            "Structural similarity of the tone-mapped luma",
-            &|c| number(c.error.ssim),
-        ),
-        row("nonfinite", "Channels that are NaN or infinite", &|c| {
-            c.error.nonfinite.to_string()
-        }),
-        row(
-            "cloud pixels",
-            "Share of pixels whose opacity in the truth exceeds 0.01",
-            &|c| number(c.cloud_pixel_fraction),
-        ),
-    ]
+    let told = arranged().into_iter().filter(|m| m.origin == Origin::Pair);
+    let rows = told.map(|metric| {
+        let text = |c: &Comparison| recorded(metric.format, (metric.get)(&c.error));
+        (metric.key, metric.doc, values(&text))
+    });
+    let cloud = study_number("cloud_pixel_fraction").map(|number| {
+        let text = |c: &Comparison| maybe(Some(c.cloud_pixel_fraction));
+        (number.label, number.doc, values(&text))
+    });
+    rows.chain(cloud).collect()
+}
+
+/// A value as the record has it, without a unit: shares are fractions here.
+fn recorded(format: Format, value: Option<f64>) -> String {
+    match (format, value) {
+        (Format::Integer, Some(value)) => value.to_string(),
+        (_, value) => maybe(value),
+    }
 }
 
 fn waiting(app: &App, ui: &mut egui::Ui) {
@@ -258,5 +209,32 @@ fn waiting(app: &App, ui: &mut egui::Ui) {
     if let Some(first) = app.shown.first {
         let waited_ms = first.duration_since(app.start()).as_secs_f64() * 1e3;
         ui.small(format!("start to first picture: {}", ms(Some(waited_ms))));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Frame;
+    use crate::metrics::{METRICS, compare};
+
+    #[test]
+    fn every_number_that_a_picture_tells_has_its_row() {
+        let frame = |level: f32| Frame {
+            width: 16,
+            height: 16,
+            radiance: vec![[level, level, level, 0.5]; 256],
+            sun: vec![[level; 4]; 256],
+        };
+        let comparison = compare(&frame(0.5), &frame(0.6)).unwrap();
+        let rows = error_rows(&[Some(comparison), None]);
+        for metric in METRICS.iter().filter(|m| m.origin == Origin::Pair) {
+            let (_, doc, values) = rows.iter().find(|(name, ..)| *name == metric.key).unwrap();
+            assert_eq!(*doc, metric.doc);
+            assert!(values[0].as_ref().is_some_and(|text| text != "n/a"));
+            assert_eq!(values[1], None);
+        }
+        let (last, ..) = rows[rows.len() - 1];
+        assert_eq!((last, rows.len()), ("cloud pixels", METRICS.len() - 2));
     }
 }

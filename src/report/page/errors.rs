@@ -1,10 +1,11 @@
 //! The three errors of decomposed cells: signed pictures beside each other, on one scale.
 
-use super::super::format::{maybe, number};
+use super::super::format::{number, written};
 use super::super::view::{Case, Shot, View};
 use super::album::Album;
 use super::parts;
 use super::pictures::image;
+use crate::batch::numbers::{CellNumber, Shown, numbers};
 use crate::batch::record::Decomposition;
 use maud::{Markup, html};
 
@@ -68,26 +69,30 @@ fn row(
     }
 }
 
+/// The numbers of a decomposition.
+fn columns() -> impl Iterator<Item = &'static CellNumber> {
+    let numbers = numbers().iter();
+    numbers.filter(|number| number.shown == Shown::Decomposition)
+}
+
 fn table(view: &View<'_>, case: &Case<'_>) -> Markup {
     let head = html! {
         th scope="col" { "Method" }
         th scope="col" { "Setting" }
-        @for name in ["Total", "Model", "Sampling", "Precision", "of it storage", "Truths", "Ample steps", "Ample texels"] {
-            th.n scope="col" { (name) }
-        }
+        th.n scope="col" { "Total" }
+        @for column in columns() { th.n scope="col" { (column.label) } }
         th scope="col" { "Noise filter" }
     };
     let body = html! {
-        @for (shot, d) in cells(case) {
+        @for (shot, decomposition) in cells(case) {
             tr {
                 td { (parts::method(&shot.cell.method)) }
                 td { (parts::setting(view, &shot)) }
-                @for value in [shot.rel_rmse(), d.model_rel_rmse, d.sampling_rel_rmse, d.precision_rel_rmse, d.storage_rel_rmse, d.truth_rel_rmse] {
-                    (parts::cell(Some(value), number))
+                (parts::cell(Some(shot.rel_rmse()), number))
+                @for column in columns() {
+                    (parts::cell(column.value(shot.numbers), |value| written(column.format, value)))
                 }
-                td.n { (maybe(d.ample_steps.map(f64::from))) }
-                td.n { (maybe(d.ample_resolution.map(f64::from))) }
-                td { (d.noise_filter.as_deref().unwrap_or("no noise")) }
+                td { (decomposition.noise_filter.as_deref().unwrap_or("no noise")) }
             }
         }
     };

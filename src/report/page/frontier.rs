@@ -1,10 +1,14 @@
 //! The cells of each scene and sun that nothing beats, by time and by memory.
 
-use super::super::format::{ms, number, signed_percent};
+use super::super::format::{error, ms, number};
 use super::super::pareto::frontier;
 use super::super::view::{Case, Shot, View};
 use super::parts;
+use crate::metrics::{Metric, metric};
 use maud::{Markup, html};
+
+/// Error numbers of a row.
+const ERRORS: [&Metric; 3] = [metric("rel_rmse"), metric("leak"), metric("darken")];
 
 /// Both tables of one case, folded away.
 pub fn of_case(view: &View<'_>, case: &Case<'_>) -> Markup {
@@ -99,19 +103,14 @@ fn columns() -> Markup {
     html! {
         th scope="col" { "Method" }
         th scope="col" { "Setting" }
-        th.n scope="col" { "rel_rmse" }
-        th.n scope="col" { "Leak" }
-        th.n scope="col" { "Darken" }
+        @for metric in ERRORS { th.n scope="col" { (metric.label) } }
     }
 }
 
 fn cells(view: &View<'_>, shot: &Shot<'_>) -> Markup {
-    let error = &shot.numbers.error;
     html! {
         td { (parts::method(&shot.cell.method)) }
         td { (parts::setting(view, shot)) }
-        td.n { (number(error.rel_rmse)) }
-        td.n { (signed_percent(error.leak)) }
-        td.n { (signed_percent(error.darken)) }
+        @for metric in ERRORS { td.n { (error(metric, &shot.numbers.error)) } }
     }
 }

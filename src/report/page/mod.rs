@@ -48,7 +48,7 @@ pub fn html(folder: &Path, view: &View<'_>, charts: &[Chart], sheets: &[Sheet]) 
                     (tail::references(view))
                     (tail::environment(view))
                     (tail::wall(view))
-                    (tail::definitions())
+                    (tail::definitions(view))
                 }
                 script { (PreEscaped(include_str!("script.js"))) }
             }

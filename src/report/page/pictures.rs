@@ -1,11 +1,12 @@
 //! Picture sheets: the truth beside the best setting of every method, and any cell beside the truth.
 
 use super::super::contact::Sheet;
-use super::super::format::{ms, number, signed_percent};
+use super::super::format::{error, ms, number};
 use super::super::view::{Case, Shot, View};
 use super::album::{Album, Picture};
 use super::parts;
 use crate::frame::FALSE_COLOUR_STOPS;
+use crate::metrics::{Metric, metric};
 use maud::{Markup, html};
 
 /// Cards beside each other on a wide screen; the rows are filled as evenly as they go.
@@ -119,13 +120,13 @@ fn card(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &mut Album) ->
     }
 }
 
+/// Error numbers of a card.
+const CARD: [&Metric; 3] = [metric("rel_rmse"), metric("leak"), metric("darken")];
+
 fn numbers(shot: &Shot<'_>) -> Markup {
-    let error = &shot.numbers.error;
     html! {
         dl.numbers {
-            dt { "rel_rmse" } dd { (number(error.rel_rmse)) }
-            dt { "leak" } dd { (signed_percent(error.leak)) }
-            dt { "darken" } dd { (signed_percent(error.darken)) }
+            @for metric in CARD { dt { (metric.key) } dd { (error(metric, &shot.numbers.error)) } }
             dt { "time" } dd { (ms(shot.time_ms())) }
             dt { "map" } dd { (shot.memory()) }
         }

@@ -3,6 +3,7 @@
 use super::super::format::{NONE, bytes, count, maybe, ms, number};
 use super::super::view::{View, all_params, distinct, plain};
 use super::parts::{self, cell};
+use super::table;
 use crate::batch::record::{Clock, Reference};
 use maud::{Markup, html};
 
@@ -218,108 +219,22 @@ fn truths_ms(view: &View<'_>) -> Option<f64> {
     (!times.is_empty()).then(|| times.iter().sum())
 }
 
-/// One line for each number.
-const DEFINITIONS: [(&str, &str); 23] = [
-    (
-        "L, ΔL",
-        "sun-lit linear radiance of a cloud pixel (opacity of the truth above 0.01), and its difference from the truth",
-    ),
-    (
-        "rel_rmse",
-        "√Σ(ΔL)² / √ΣL² over RGB and cloud pixels; 1 = as large as the picture itself",
-    ),
-    (
-        "floor_rel_rmse",
-        "rel_rmse of the uncompressed column at the same steps and texels: what marching alone costs",
-    ),
-    (
-        "bias",
-        "ΣΔL / ΣL, in %; near zero it can hide leak and darken of equal size",
-    ),
-    (
-        "leak",
-        "Σmax(ΔL, 0) / ΣL, in %: light where there should be shadow",
-    ),
-    (
-        "darken",
-        "Σmin(ΔL, 0) / ΣL, in %, never positive: shadow where there should be light",
-    ),
-    (
-        "p99_abs, max_abs",
-        "99th percentile and largest |ΔL|, in units of the truth's mean L",
-    ),
-    (
-        "T RMSE",
-        "transmittance_rmse: RMSE of the light transmittance, weighted by σT along the view ray; 0 to 1",
-    ),
-    (
-        "edge bias",
-        "ΣΔL / ΣL over edge pixels, where the truth's opacity is at most 0.9, in %; n/a where it has none",
-    ),
-    (
-        "FLIP",
-        "perceived difference (LDR, 67 pixels a degree), 0 to 1: mean and 99th percentile",
-    ),
-    (
-        "PSNR",
-        "peak signal-to-noise ratio after one tone map fixed from the truth, peak 1, in dB; n/a when equal",
-    ),
-    (
-        "SSIM",
-        "structural similarity of the tone-mapped luma; 1 = equal",
-    ),
-    (
-        "flicker",
-        "RMS frame-to-frame change of ΔL in units of mean L, over 16 frames of a pan of one pixel a frame, and of a sun that rises by 1°; the pan carries even a steady error along, the sun does not; n/a where the experiment asks for none",
-    ),
-    (
-        "not finite",
-        "channels of the picture that are NaN or infinite; 0 is right",
-    ),
-    (
-        "total, map pass, march",
-        "median device time of one picture and of its passes over the rounds, in ms; a round's time is the median of frames that were handed over together; n/a without timestamps, and where these are invalid",
-    ),
-    (
-        "min, p95, CV, n",
-        "of the rounds' total times: smallest, 95th percentile (ms), standard deviation over mean (%), rounds; single frames scatter more",
-    ),
-    (
-        "wall",
-        "submission to completion of the frames of a round seen from the CPU, divided by their number, median, in ms; it stands for the total where no cell has one",
-    ),
-    (
-        "map",
-        "bytes of the map's textures as allocated; 0 for methods without a map",
-    ),
-    (
-        "payload",
-        "values × bytes a value × texels: what the encoding needs before formats round it up",
-    ),
-    (
-        "allocator",
-        "growth that the graphics allocator reports, in bytes; n/a where it does not",
-    ),
-    (
-        "samples",
-        "density samples by view rays, by light rays and by the map pass, counted in an untimed run",
-    ),
-    (
-        "fallback",
-        "share of light look-ups outside the map that were marched instead, in %",
-    ),
-    (
-        "Pareto frontier",
-        "cells that no other cell beats in both error and cost",
-    ),
-];
-
-/// What each number means, with its unit.
-pub fn definitions() -> Markup {
+/// What each number of the table of all cells means.
+pub fn definitions(view: &View<'_>) -> Markup {
     html! {
         section #definitions {
             h2 { "Definitions" }
-            dl.pairs { @for (name, meaning) in DEFINITIONS { dt { (name) } dd { (meaning) } } }
+            dl.pairs {
+                dt { "L, ΔL" }
+                dd { "sun-lit linear radiance of a cloud pixel (opacity of the truth above 0.01), and its difference from the truth" }
+                @for number in table::columns(view) {
+                    @let unit = number.format.unit_written(number.unit);
+                    dt { (number.label) @if !unit.is_empty() { " " span.unit { (unit) } } }
+                    dd { (number.doc) }
+                }
+                dt { "Pareto frontier" }
+                dd { "cells that no other cell beats in both error and cost" }
+            }
         }
     }
 }

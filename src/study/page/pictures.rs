@@ -4,7 +4,8 @@ use super::super::EXPERIMENTS;
 use super::super::select::Records;
 use super::report_link;
 use crate::config::Study;
-use crate::report::format::{number, signed_percent};
+use crate::metrics::{Metric, metric};
+use crate::report::format::error;
 use crate::report::page::album::{Album, Picture};
 use crate::report::page::parts;
 use crate::report::page::pictures::image;
@@ -15,6 +16,14 @@ use std::path::Path;
 
 /// Cards beside each other on a wide screen.
 const COLUMNS: usize = 5;
+
+/// Error numbers of a card, with the names that they have there.
+const CARD: [(&str, &Metric); 4] = [
+    ("rel_rmse", metric("rel_rmse")),
+    ("leak", metric("leak")),
+    ("darken", metric("darken")),
+    ("FLIP", metric("flip_mean")),
+];
 
 /// The section; nothing where the study shows no pictures.
 pub fn section(folder: &Path, study: &Study, records: &Records<'_>) -> Markup {
@@ -70,7 +79,6 @@ fn truth(experiment: &str, case: &Case<'_>, album: &mut Album) -> Markup {
 
 fn card(experiment: &str, view: &View<'_>, shot: &Shot<'_>, album: &mut Album) -> Markup {
     let files = files_below(experiment, &shot.numbers.files);
-    let error = &shot.numbers.error;
     let name = view.short(shot.cell);
     html! {
         figure {
@@ -78,10 +86,7 @@ fn card(experiment: &str, view: &View<'_>, shot: &Shot<'_>, album: &mut Album) -
             figcaption {
                 p { (parts::method(&shot.cell.method)) " " (parts::setting(view, shot)) }
                 dl.numbers {
-                    dt { "rel_rmse" } dd { (number(error.rel_rmse)) }
-                    dt { "leak" } dd { (signed_percent(error.leak)) }
-                    dt { "darken" } dd { (signed_percent(error.darken)) }
-                    dt { "FLIP" } dd { (number(error.flip_mean)) }
+                    @for (name, metric) in CARD { dt { (name) } dd { (error(metric, &shot.numbers.error)) } }
                     dt { "cell" } dd { a href={ (report_link(experiment)) "#cell-" (shot.cell.index) } { (shot.cell.index) } }
                 }
             }
