@@ -177,7 +177,7 @@ fn a_study_decides_what_it_can_and_resumes_after_a_kill() {
 #[test]
 fn wrong_study_files_are_refused_with_their_place() {
     type Edit = fn(&mut Value);
-    let cases: [(Edit, &[&str]); 12] = [
+    let cases: [(Edit, &[&str]); 13] = [
         (
             |s| s["claim"] = json!([]),
             &["tiny.json:", "unknown field `claim`", "claims"],
@@ -219,6 +219,13 @@ fn wrong_study_files_are_refused_with_their_place() {
         (
             |s| s["experiments"][1]["id"] = json!("../up"),
             &["tiny.json:", "cannot name a folder"],
+        ),
+        (
+            |s| {
+                let chart = json!({"id": "../up", "title": "x", "prices": "one"});
+                s["cost_model"] = json!({"figure": "x", "says": "x", "charts": [chart]});
+            },
+            &["(at /cost_model/charts/0/id)", "cannot name a file"],
         ),
         (
             |s| s["profiles"] = json!({"slow": {"about": "x"}}),

@@ -158,7 +158,7 @@ fn summarise(outcome: &Outcome) {
     if let Some(model) = &outcome.cost_model {
         eprintln!(
             "one price: {:.1} ns a sample, R² {:.3}",
-            model.thesis_ns, model.thesis_r2
+            model.one_price_ns, model.one_price_r2
         );
     }
     eprintln!(

@@ -31,9 +31,9 @@ pub use scenes::{Axis, SceneEntry};
 pub use schema::schema;
 pub use stability::{Extreme, Fill, Stability, VolumeFile, load_stability, parse_stability};
 pub use study::{
-    ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,
-    Study, StudyExperiment, TableColumn, TableRow, TableSpec, Test, load_study, parse_study,
-    study_profiles,
+    ChartSpec, Check, ClaimSpec, CostChart, CostSpec, Erratum, Evidence, Pick, Prices, Published,
+    Quantity, Question, Series, Study, StudyExperiment, TableColumn, TableRow, TableSpec, Test,
+    load_study, parse_study, study_profiles,
 };
 
 pub(crate) use experiment::experiment_of;

@@ -8,7 +8,7 @@
 //!                  │─► csv    ─► cells.csv
 //!                  └─► view   ─► charts  ─► charts/*.svg ─┐
 //!                        ├──────► contact ─► charts/*.png ─┤
-//!                        └──────► page   ◄─────────────────┘─► index.html (one file, no network)
+//!                        └──────► page   ◄─────────────────┘─► shell ─► index.html (one file, no network)
 //! ```
 //!
 //! Nothing outside this module names plotters, and nothing but the pages of `study` names maud. Pictures are only read:
@@ -23,6 +23,7 @@ pub(crate) mod format;
 pub(crate) mod page;
 mod pareto;
 mod records;
+pub(crate) mod shell;
 mod shown;
 mod stability;
 pub(crate) mod style;
@@ -38,7 +39,7 @@ mod temporal_tests;
 mod tests;
 
 use crate::batch::record::Report;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::probe::Probe;
 use std::path::{Path, PathBuf};
 
@@ -78,5 +79,7 @@ pub fn write(folder: &Path, report: &Report) -> Result<PathBuf> {
 /// it is, `seen_m` is the depth of the pixel's point, if a pixel was asked for.
 pub fn write_probe(svg: &Path, probe: &Probe, of: &str, seen_m: Option<f64>) -> Result<()> {
     files::write(&svg.with_extension("csv"), probe.csv().as_bytes())?;
-    files::write(svg, charts::probe::draw(probe, of, seen_m)?.as_bytes())
+    let chart = charts::probe::chart(probe, of, seen_m).svg()?;
+    let chart = chart.ok_or_else(|| Error::defect("probe", "the column has no depths"))?;
+    files::write(svg, chart.as_bytes())
 }

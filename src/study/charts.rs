@@ -4,13 +4,22 @@ use super::Outcome;
 use super::cost_model::Cost;
 use super::interval::Interval;
 use super::select::{self, Found, Records};
-use crate::config::{ChartSpec, Pick, Published, Study};
+use crate::config::{ChartSpec, CostChart, Pick, Prices, Published, Study};
 use crate::error::Result;
-use crate::report::charts::curves::{Curve, Curves, Look, Point, Spread, draw};
+use crate::report::charts::axis::{AxisSpec, Scale};
+use crate::report::charts::chart::{Chart, DASHED, Data, Look, Plane, Point, SOLID, Series};
 use crate::report::format::ms;
+use crate::report::style::Style;
+
+/// How the names of the charts' files begin.
+pub const FIGURE: &str = "figure-";
+/// How those of the cost models' charts do.
+pub const COST: &str = "cost-";
 
 /// A chart of the page.
 pub struct Figure {
+    /// Whether it shows cost models.
+    pub of_costs: bool,
     /// File name inside `charts/`.
     pub file: String,
     /// Published figure, or empty.
@@ -31,36 +40,30 @@ pub fn all(study: &Study, records: &Records<'_>, outcome: &Outcome) -> Result<Ve
     for spec in &study.charts {
         figures.push(chart(spec, records, outcome)?);
     }
-    for (file, title, own) in [
-        (
-            "cost-thesis.svg",
-            "One price a sample: predicted ÷ measured",
-            false,
-        ),
-        (
-            "cost-own.svg",
-            "Prices of each method's own: predicted ÷ measured",
-            true,
-        ),
-    ] {
+    for spec in &study.cost_model.charts {
+        let chart = residuals(spec, outcome);
         figures.push(Figure {
-            file: file.to_owned(),
-            figure: "eqs. 3.1–3.5".to_owned(),
-            title: title.to_owned(),
+            of_costs: true,
+            file: format!("{COST}{}.svg", spec.id),
+            figure: study.cost_model.figure.clone(),
+            title: spec.title.clone(),
             experiment: String::new(),
             missing: Vec::new(),
-            svg: residuals(title, own, outcome)?.unwrap_or_default(),
+            svg: svg(chart.as_ref())?,
         });
     }
     Ok(figures)
 }
 
+/// The picture; empty where there is nothing to draw.
+fn svg(chart: Option<&Chart>) -> Result<String> {
+    let svg = chart.map(Chart::svg).transpose()?;
+    Ok(svg.flatten().unwrap_or_default())
+}
+
 fn chart(spec: &ChartSpec, records: &Records<'_>, outcome: &Outcome) -> Result<Figure> {
-    let (mut curves, mut missing) = (Vec::new(), Vec::new());
-    for (metric, look) in [
-        (Some(&spec.metric), Look::Solid),
-        (spec.also.as_ref(), Look::Dashed),
-    ] {
+    let (mut series, mut missing) = (Vec::new(), Vec::new());
+    for (metric, dash) in [(Some(&spec.metric), SOLID), (spec.also.as_ref(), DASHED)] {
         let Some(metric) = metric else { continue };
         for name in &spec.series {
             let pick = Pick {
@@ -73,62 +76,67 @@ fn chart(spec: &ChartSpec, records: &Records<'_>, outcome: &Outcome) -> Result<F
                 Some(_) => format!("{} {}", records.label(name), metric_words(metric)),
             };
             match points(spec, records, &pick, metric) {
-                Ok(points) => curves.push(Curve {
+                Ok(points) => series.push(Series {
                     label,
-                    method: records.method(name).to_owned(),
-                    look,
+                    style: Style::of(records.method(name)),
+                    look: Look::Line(dash),
                     points,
                 }),
                 Err(reason) => missing.push(format!("{label}: {reason}")),
             }
         }
     }
-    curves.extend(spec.published.iter().map(|p| published(records, p)));
-    let chart = Curves {
+    series.extend(spec.published.iter().map(|p| published(records, p)));
+    let [x, y] = axes(spec);
+    let chart = Chart {
         title: format!("{} ({})", spec.title, spec.figure),
         of: unit_of(spec, records),
-        x: (spec.along_title.clone(), spec.log_x),
-        y: (spec.metric_title.clone(), spread(spec)),
-        curves,
-        levels: spec.relative_to.iter().map(|_| 1.0).collect(),
+        data: Data::Plane(Plane {
+            x,
+            y,
+            series,
+            levels: spec.relative_to.iter().map(|_| 1.0).collect(),
+            places: Vec::new(),
+        }),
         source: format!("Measured on {}", outcome.adapter),
         note: spec.note.clone(),
     };
     Ok(Figure {
-        file: format!("figure-{}.svg", spec.id),
+        of_costs: false,
+        file: format!("{FIGURE}{}.svg", spec.id),
         figure: spec.figure.clone(),
         title: spec.title.clone(),
         experiment: spec.experiment.clone(),
         missing,
-        svg: draw(&chart)?.unwrap_or_default(),
+        svg: svg(Some(&chart))?,
     })
 }
 
 /// Points of the source in the chart's units.
-fn published(records: &Records<'_>, published: &Published) -> Curve {
-    let place = |(x, y): &(f64, f64)| {
-        let y = y / published.unit;
-        Point {
-            x: x * published.x_scale,
-            y,
-            low: y,
-            high: y,
-        }
-    };
-    Curve {
+fn published(records: &Records<'_>, published: &Published) -> Series {
+    let place = |(x, y): &(f64, f64)| Point::at(x * published.x_scale, y / published.unit);
+    Series {
         label: format!("{} published", records.label(&published.series)),
-        method: records.method(&published.series).to_owned(),
+        style: Style::of(records.method(&published.series)),
         look: Look::Published,
         points: published.points.iter().map(place).collect(),
     }
 }
 
-fn spread(spec: &ChartSpec) -> Spread {
-    match spec.log_y {
-        true if spec.metric.ends_with("_bytes") => Spread::Bytes,
-        true => Spread::Log,
-        false => Spread::Linear,
-    }
+fn axes(spec: &ChartSpec) -> [AxisSpec; 2] {
+    let x = match spec.log_x {
+        true => Scale::LogAtValues,
+        false => Scale::Linear,
+    };
+    let y = match spec.log_y {
+        true if spec.metric.ends_with("_bytes") => Scale::Bytes,
+        true => Scale::Log,
+        false => Scale::Linear,
+    };
+    [
+        AxisSpec::new(&spec.along_title, x),
+        AxisSpec::new(&spec.metric_title, y),
+    ]
 }
 
 fn metric_words(metric: &str) -> &str {
@@ -177,10 +185,8 @@ fn points(
             Some(name) => relative(records, found, name, metric)?,
         };
         Ok(Point {
-            x: *x,
-            y: value.value,
-            low: value.low,
-            high: value.high,
+            y_range: (value.high > value.low).then_some([value.low, value.high]),
+            ..Point::at(*x, value.value)
         })
     });
     cells.collect()
@@ -217,42 +223,36 @@ pub(super) fn relative(
     Ok(select::metric(found, metric)?.over(&unit)?.interval)
 }
 
-/// Predicted over measured time of every cell.
-fn residuals(title: &str, own: bool, outcome: &Outcome) -> Result<Option<String>> {
-    let Some(model) = &outcome.cost_model else {
-        return Ok(None);
-    };
+/// Predicted over measured time of every cell; `None` without a model.
+fn residuals(spec: &CostChart, outcome: &Outcome) -> Option<Chart> {
+    let model = outcome.cost_model.as_ref()?;
     let mut methods: Vec<&str> = model.cells.iter().map(|c| c.method.as_str()).collect();
     methods.sort_unstable();
     methods.dedup();
-    let curve = |method: &&str| {
-        let predicted = |c: &Cost| if own { c.own_ms } else { Some(c.thesis_ms) };
-        let mut points: Vec<Point> = model
-            .cells
-            .iter()
-            .filter(|c| c.method == *method)
-            .filter_map(|c| {
-                let y = predicted(c)? / c.total_ms;
-                let (low, high) = (y, y);
-                let x = c.total_ms;
-                Some(Point { x, y, low, high })
-            })
-            .collect();
-        points.sort_by(|a, b| a.x.total_cmp(&b.x));
-        Curve {
+    let predicted = |cell: &Cost| match spec.prices {
+        Prices::One => Some(cell.one_price_ms),
+        Prices::Own => cell.own_ms,
+    };
+    let series = |method: &&str| {
+        let own = model.cells.iter().filter(|cell| cell.method == *method);
+        let point = |cell: &Cost| Some(Point::at(cell.total_ms, predicted(cell)? / cell.total_ms));
+        Series {
             label: (*method).to_owned(),
-            method: (*method).to_owned(),
+            style: Style::of(method),
             look: Look::Points,
-            points,
+            points: own.filter_map(point).collect(),
         }
     };
-    draw(&Curves {
-        title: title.to_owned(),
+    Some(Chart {
+        title: spec.title.clone(),
         of: "Every cell of the study; lines at ±20 %".to_owned(),
-        x: ("measured total, ms (log)".to_owned(), true),
-        y: ("predicted ÷ measured (log)".to_owned(), Spread::Log),
-        curves: methods.iter().map(curve).collect(),
-        levels: vec![0.8, 1.0, 1.2],
+        data: Data::Plane(Plane {
+            x: AxisSpec::new("measured total, ms (log)", Scale::Log),
+            y: AxisSpec::new("predicted ÷ measured (log)", Scale::Log),
+            series: methods.iter().map(series).collect(),
+            levels: vec![0.8, 1.0, 1.2],
+            places: Vec::new(),
+        }),
         source: format!("Measured on {}", outcome.adapter),
         note: "Below 1 the model promises too little time.".to_owned(),
     })
@@ -283,7 +283,8 @@ mod tests {
         let of = |metric: &str| {
             let drawn = points(&spec(|_| ()), &records, &pick, metric).unwrap();
             assert_eq!((drawn.len(), drawn[0].x), (1, 4.0));
-            [drawn[0].low, drawn[0].y, drawn[0].high]
+            let [low, high] = drawn[0].y_range.unwrap_or([drawn[0].y; 2]);
+            [low, drawn[0].y, high]
         };
         assert_eq!(of("total_ms"), [3.0; 3]);
         assert_eq!(of("generate_ms"), [1.5; 3], "over the total of the other");

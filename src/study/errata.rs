@@ -170,7 +170,7 @@ mod tests {
         }
         let said = |printed, meant| {
             let erratum = Erratum {
-                place: "Algorithm 1".to_owned(),
+                place: "somewhere".to_owned(),
                 printed: "a".to_owned(),
                 meant: "b".to_owned(),
                 evidence: Evidence::Cells {

@@ -93,7 +93,7 @@ pub fn conclude(
     let figures = charts::all(study, &records, &outcome)?;
     let files = figures.iter().map(|f| (f.file.as_str(), f.svg.as_bytes()));
     let charts = folder.join("charts");
-    crate::report::files::replace_all(&charts, &["figure-", "cost-"], files)?;
+    crate::report::files::replace_all(&charts, &[charts::FIGURE, charts::COST], files)?;
     let page = page::write(folder, study, &records, &outcome, &figures)?;
     Ok((outcome, page))
 }

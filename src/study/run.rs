@@ -52,7 +52,7 @@ pub enum Event<'a> {
 /// Receives events; `Break` stops the study, finished cells are kept.
 pub type Observer<'a> = &'a mut dyn FnMut(Event<'_>) -> ControlFlow<()>;
 
-/// Samples that an experiment takes, by the model of thesis M (eq. 3.5): in all for its truths, and of each cell.
+/// Density samples that an experiment takes, all alike: in all for its truths, and of each cell.
 struct Forecast {
     truths: f64,
     cells: Vec<f64>,

@@ -5,7 +5,7 @@
 //!   "profiles": {"quick": {"about": "…", "values": {"maps": [32, 64]}}, "full": {"about": "…", "values": {"maps": [256, 512]}}},
 //!   "series": {"srm10": {"method": "srm", "at": {"steps": 10}}},
 //!   "experiments": [{"id": "map", "title": "…", "matrix": {"image": …, "methods": [{"method": "esm", "resolution": "$maps"}]}}],
-//!   "charts": […], "tables": […], "claims": […], "errata": […], "guide": […] }
+//!   "charts": […], "cost_model": {…}, "tables": […], "claims": […], "errata": […], "guide": […] }
 //! ```
 //!
 //! A string `$NAME` anywhere below stands for the value of that name in the chosen profile. A matrix is an experiment
@@ -14,8 +14,8 @@
 mod spec;
 
 pub use spec::{
-    ChartSpec, Check, ClaimSpec, Erratum, Evidence, Pick, Published, Quantity, Question, Series,
-    TableColumn, TableRow, TableSpec, Test,
+    ChartSpec, Check, ClaimSpec, CostChart, CostSpec, Erratum, Evidence, Pick, Prices, Published,
+    Quantity, Question, Series, TableColumn, TableRow, TableSpec, Test,
 };
 
 use super::document::Document;
@@ -37,6 +37,8 @@ pub struct Study {
     pub title: String,
     /// What is reproduced: author, year, kind of text.
     pub source: String,
+    /// How the source's numbers and these can be compared, sentences; may be empty.
+    pub note: String,
     /// Name of the profile.
     pub profile: String,
     /// What sets the profile apart, in a sentence or two.
@@ -47,6 +49,8 @@ pub struct Study {
     pub experiments: Vec<StudyExperiment>,
     /// Charts in file order.
     pub charts: Vec<ChartSpec>,
+    /// How the source models costs.
+    pub cost_model: CostSpec,
     /// Tables in file order.
     pub tables: Vec<TableSpec>,
     /// Experiments whose pictures are shown beside their truth.
@@ -81,6 +85,9 @@ pub(super) struct File {
     title: String,
     /// What is reproduced: author, year, kind of text.
     source: String,
+    /// How the source's numbers and these can be compared, sentences.
+    #[serde(default)]
+    note: String,
     /// Sizes and counts by name: `"$NAME"` elsewhere stands for the value `NAME` of the chosen profile.
     profiles: BTreeMap<String, FileProfile>,
     /// Curves and columns by name.
@@ -90,6 +97,9 @@ pub(super) struct File {
     /// Charts of the page.
     #[serde(default)]
     charts: Vec<ChartSpec>,
+    /// How the source models costs.
+    #[serde(default)]
+    cost_model: CostSpec,
     /// Tables of the page.
     #[serde(default)]
     tables: Vec<TableSpec>,
@@ -170,11 +180,13 @@ fn from_document(document: &Document, profile: &str) -> Result<Study> {
         name: file.name,
         title: file.title,
         source: file.source,
+        note: file.note,
         profile: profile.to_owned(),
         about,
         series: file.series,
         experiments,
         charts: file.charts,
+        cost_model: file.cost_model,
         tables: file.tables,
         pictures: file.pictures,
         claims: file.claims,
@@ -262,10 +274,18 @@ fn check_names(document: &Document, file: &File) -> Result<()> {
             return Err(document.error(&format!("/experiments/{i}/id"), problem, remedy));
         }
     }
-    if let Some(i) = file.charts.iter().position(|chart| !named(&chart.id)) {
-        let problem = format!("`{}` cannot name a file", file.charts[i].id);
+    let charts = file.charts.iter().map(|chart| &chart.id);
+    let costs = file.cost_model.charts.iter().map(|chart| &chart.id);
+    let charts = charts
+        .enumerate()
+        .map(|(i, id)| (format!("/charts/{i}/id"), id));
+    let costs = costs
+        .enumerate()
+        .map(|(i, id)| (format!("/cost_model/charts/{i}/id"), id));
+    if let Some((place, id)) = charts.chain(costs).find(|(_, id)| !named(id)) {
+        let problem = format!("`{id}` cannot name a file");
         let remedy = "Use 1 to 60 lower-case letters, digits and hyphens.";
-        return Err(document.error(&format!("/charts/{i}/id"), problem, remedy));
+        return Err(document.error(&place, problem, remedy));
     }
     let lists = [
         "/charts",

@@ -212,6 +212,41 @@ pub struct ChartSpec {
     pub note: String,
 }
 
+/// How the source models costs, and the charts that hold models against the measured times.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CostSpec {
+    /// Where the source has its model.
+    pub figure: String,
+    /// What the source counts and takes times for, a sentence.
+    pub says: String,
+    /// Charts of predicted over measured times.
+    #[serde(default)]
+    pub charts: Vec<CostChart>,
+}
+
+/// A chart of predicted over measured times.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CostChart {
+    /// Names the file.
+    pub id: String,
+    /// Heading.
+    pub title: String,
+    /// Which model predicts.
+    pub prices: Prices,
+}
+
+/// A model of costs.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Prices {
+    /// One price for every sample of every method.
+    One,
+    /// A price for each kind of sample, of each method's own.
+    Own,
+}
+
 /// A table of the source, measured again.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -3,13 +3,109 @@
 use super::super::format::{bytes, number};
 use super::super::view::distinct;
 
-/// How values are spread.
+/// How values are spread along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Scale {
+pub enum Scale {
+    /// From 0.
     Linear,
+    /// Logarithmic; zeros get a place of their own.
     Log,
-    /// Logarithmic with ticks at powers of two.
+    /// Logarithmic with a tick at each value, for axes with few of them; zeros get a place of their own.
+    LogAtValues,
+    /// Logarithmic with ticks at powers of two; zeros get a place of their own.
     Bytes,
+}
+
+/// An axis that does not know its values yet.
+#[derive(Clone, Debug)]
+pub struct AxisSpec {
+    /// Quantity and unit.
+    pub title: String,
+    /// How values are spread.
+    pub scale: Scale,
+    /// Words at the place of zero.
+    pub zero: &'static str,
+    /// Where a linear axis ends, whatever its values are; `None`: a little past the largest.
+    pub end: Option<f64>,
+}
+
+impl AxisSpec {
+    /// An axis that ends where its values do.
+    pub fn new(title: impl Into<String>, scale: Scale) -> Self {
+        Self {
+            title: title.into(),
+            scale,
+            zero: "0",
+            end: None,
+        }
+    }
+
+    /// A linear axis that ends at `end`; larger values are drawn there.
+    pub fn up_to(title: &str, end: f64) -> Self {
+        Self {
+            end: Some(end),
+            ..Self::new(title, Scale::Linear)
+        }
+    }
+
+    /// The axis over its values.
+    pub fn over(&self, values: &[f64]) -> Axis {
+        match (self.scale, self.end) {
+            (Scale::Linear, Some(end)) => self.linear(end),
+            (Scale::Linear, None) => {
+                let finite = values.iter().copied().filter(|v| v.is_finite());
+                self.linear(1.05 * finite.fold(0.0, f64::max))
+            }
+            _ => self.logarithmic(values),
+        }
+    }
+
+    fn linear(&self, end: f64) -> Axis {
+        Axis {
+            title: self.title.clone(),
+            scale: self.scale,
+            lo: 0.0,
+            hi: if end > 0.0 { end } else { 1.0 },
+            zero: None,
+            marked: Vec::new(),
+        }
+    }
+
+    fn logarithmic(&self, values: &[f64]) -> Axis {
+        let base = |v: &f64| match self.scale {
+            Scale::Bytes => v.log2(),
+            _ => v.log10(),
+        };
+        let positive = values.iter().filter(|v| **v > 0.0 && v.is_finite());
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut lo, mut hi) = positive
+            .clone()
+            .map(base)
+            .fold(ends, |(l, h), v| (l.min(v), h.max(v)));
+        if lo > hi {
+            (lo, hi) = (0.0, 1.0);
+        }
+        let least = match self.scale {
+            Scale::Bytes => 2.0,
+            _ => 0.6,
+        };
+        let pad = (0.06 * (hi - lo)).max((least - (hi - lo)) / 2.0);
+        let marked = match self.scale {
+            Scale::LogAtValues => distinct(positive.copied()),
+            _ => Vec::new(),
+        };
+        Axis {
+            title: self.title.clone(),
+            scale: self.scale,
+            lo: lo - pad,
+            hi: hi + pad,
+            zero: values
+                .iter()
+                .any(|v| *v <= 0.0)
+                .then(|| self.zero.to_owned()),
+            marked,
+        }
+    }
 }
 
 /// An axis with its range. A logarithmic axis keeps a separate place for zero when there are zeros.
@@ -43,80 +139,12 @@ pub const CROWDED: u8 = 3;
 const ZERO: (f64, f64) = (0.14, 0.06);
 
 impl Axis {
-    /// A logarithmic axis over `values`; zeros are drawn at a place of their own, labelled `zero`.
-    pub fn log(title: &str, zero: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
-        Self::logarithmic(title, Scale::Log, zero, values)
-    }
-
-    /// A logarithmic axis with its ticks at the very values.
-    pub fn log_at(title: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
-        Self {
-            marked: distinct(values.clone().filter(|v| *v > 0.0)),
-            ..Self::log(title, "0", values)
-        }
-    }
-
-    /// A logarithmic axis of bytes.
-    pub fn bytes(title: &str, zero: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
-        Self::logarithmic(title, Scale::Bytes, zero, values)
-    }
-
-    fn logarithmic(
-        title: &str,
-        scale: Scale,
-        zero: &str,
-        values: impl Iterator<Item = f64> + Clone,
-    ) -> Self {
-        let base = |v: f64| {
-            if scale == Scale::Bytes {
-                v.log2()
-            } else {
-                v.log10()
-            }
-        };
-        let positive = values
-            .clone()
-            .filter(|v| *v > 0.0 && v.is_finite())
-            .map(base);
-        let (mut lo, mut hi) = positive.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-            (l.min(v), h.max(v))
-        });
-        if lo > hi {
-            (lo, hi) = (0.0, 1.0);
-        }
-        let least = if scale == Scale::Bytes { 2.0 } else { 0.6 };
-        let pad = (0.06 * (hi - lo)).max((least - (hi - lo)) / 2.0);
-        let zero = values.clone().any(|v| v <= 0.0).then(|| zero.to_owned());
-        Self {
-            title: title.to_owned(),
-            scale,
-            lo: lo - pad,
-            hi: hi + pad,
-            zero,
-            marked: Vec::new(),
-        }
-    }
-
-    /// A linear axis from 0 past the largest of `values`.
-    pub fn from_zero(title: &str, values: impl Iterator<Item = f64>) -> Self {
-        let hi = values.filter(|v| v.is_finite()).fold(0.0, f64::max);
-        let hi = if hi > 0.0 { hi * 1.05 } else { 1.0 };
-        Self {
-            title: title.to_owned(),
-            scale: Scale::Linear,
-            lo: 0.0,
-            hi,
-            zero: None,
-            marked: Vec::new(),
-        }
-    }
-
     /// Position of a value, 0 to 1.
     pub fn at(&self, value: f64) -> f64 {
         let place = match self.scale {
             Scale::Linear => value,
             _ if value <= 0.0 => return ZERO.1,
-            Scale::Log => value.log10(),
+            Scale::Log | Scale::LogAtValues => value.log10(),
             Scale::Bytes => value.log2(),
         };
         let share = ((place - self.lo) / (self.hi - self.lo)).clamp(0.0, 1.0);
@@ -137,7 +165,7 @@ impl Axis {
         let mut out: Vec<Tick> = match self.scale {
             _ if !self.marked.is_empty() => self.marked_ticks(),
             Scale::Linear => self.linear_ticks(),
-            Scale::Log => self.decade_ticks(),
+            Scale::Log | Scale::LogAtValues => self.decade_ticks(),
             Scale::Bytes => self.binary_ticks(),
         };
         out.extend(self.zero.as_ref().map(|text| Tick {
@@ -236,9 +264,13 @@ fn short_number(value: f64) -> String {
 mod tests {
     use super::*;
 
+    fn axis(scale: Scale, values: &[f64]) -> Axis {
+        AxisSpec::new("t", scale).over(values)
+    }
+
     #[test]
     fn log_axis_orders_values_and_keeps_zero_apart() {
-        let axis = Axis::log("error", "0", [0.0, 0.01, 0.1, 1.0].into_iter());
+        let axis = axis(Scale::Log, &[0.0, 0.01, 0.1, 1.0]);
         assert!(axis.at(0.0) < ZERO.0 && axis.at(0.01) > ZERO.0);
         assert!(axis.at(0.01) < axis.at(0.1) && axis.at(0.1) < axis.at(1.0));
         assert!(axis.ticks().iter().any(|t| t.text == "0.1" && t.rank == 0));
@@ -246,11 +278,10 @@ mod tests {
 
     #[test]
     fn narrow_and_empty_ranges_still_have_ticks() {
-        for values in [vec![0.5], vec![], vec![3.0, 3.1]] {
-            let axis = Axis::log("t", "0", values.into_iter());
-            assert!(axis.ticks().len() >= 3);
+        for values in [&[0.5][..], &[], &[3.0, 3.1]] {
+            assert!(axis(Scale::Log, values).ticks().len() >= 3);
         }
-        assert!(Axis::from_zero("t", [].into_iter()).ticks().len() >= 3);
-        assert!(Axis::bytes("b", "0", [1024.0].into_iter()).ticks().len() >= 2);
+        assert!(axis(Scale::Linear, &[]).ticks().len() >= 3);
+        assert!(axis(Scale::Bytes, &[1024.0]).ticks().len() >= 2);
     }
 }

@@ -69,6 +69,20 @@ pub fn sheet(height: i32, draw: impl FnOnce(&Canvas<'_>) -> Result<()>) -> Resul
     Ok(svg)
 }
 
+/// What `measure` says of texts, which only a sheet can measure; nothing is drawn.
+pub fn measured<T>(measure: impl FnOnce(&Canvas<'_>) -> Result<T>) -> Result<T> {
+    let mut unused = String::new();
+    let mut out = None;
+    on(
+        SVGBackend::with_string(&mut unused, (1, 1)),
+        |canvas: &Canvas<'_>| {
+            out = Some(measure(canvas)?);
+            Ok(())
+        },
+    )?;
+    out.ok_or_else(|| defect(&"a sheet was not measured"))
+}
+
 /// A raster sheet of the given size, white where nothing is drawn.
 pub fn raster(
     (width, height): (u32, u32),

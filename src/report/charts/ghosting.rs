@@ -1,87 +1,42 @@
 //! Ghosting: what temporal integration adds to the error of each frame of a moving camera.
 
 use super::super::format::number;
-use super::super::style::Style;
 use super::super::view::{Case, Shot, View};
-use super::axis::Axis;
-use super::canvas::{ink_of, sheet};
-use super::plot::{Key, Plot, caption, legend, title};
-use crate::batch::record::Ghosting;
-use crate::error::Result;
+use super::axis::{AxisSpec, Scale};
+use super::cells::apart;
+use super::chart::{Data, Plane, Point};
+use crate::batch::record::{Ghosting, Measured};
 use crate::scene::CameraTrack;
 
-/// How the lines of one method are told apart.
-const PATTERNS: [&[f64]; 4] = [&[], &[7.0, 4.0], &[2.0, 3.0], &[10.0, 3.0, 2.0, 3.0]];
-
-/// A cell with its curve, and how its line looks.
-struct Line<'a> {
-    shot: Shot<'a>,
-    curve: &'a Ghosting,
-    style: Style,
-    pattern: &'static [f64],
-}
-
-/// Heading of a movement's chart.
-pub const fn title_of(track: CameraTrack) -> &'static str {
-    match track {
-        CameraTrack::Pan => "Ghosting on a pan",
-        CameraTrack::Dolly => "Ghosting on a dolly",
-    }
-}
-
-/// The chart of one movement; `None` when no cell was measured along it.
-pub fn draw(view: &View<'_>, case: &Case<'_>, track: CameraTrack) -> Result<Option<String>> {
-    let lines = lines(case, track);
-    let Some(first) = lines.first() else {
-        return Ok(None);
+/// The curves of one movement; `None` when no cell was measured along it.
+pub fn data(view: &View<'_>, case: &Case<'_>, track: CameraTrack) -> Option<(Data, String)> {
+    let mut shots = case.shots();
+    shots.retain(|shot| curve(shot.numbers, track).is_some());
+    let first = curve(shots.first()?.numbers, track)?;
+    let note = format!("{} Each frame against its own full render.", motion(first));
+    let line = |shot: &Shot<'_>| {
+        let errors = curve(shot.numbers, track).map(|curve| &curve.rel_rmse);
+        let errors = errors.into_iter().flatten().enumerate();
+        errors
+            .map(|(frame, error)| Point::at(frame as f64, *error))
+            .collect()
     };
-    let motion = motion(first.curve);
-    let height = 480 + 16 * i32::try_from(lines.len() / 3).unwrap_or(0).min(30);
-    let svg = sheet(height, |canvas| {
-        let top = title(canvas, title_of(track), &case.short_name)?;
-        let key = |l: &Line<'_>| {
-            let label = view.short_without(l.shot.cell, &["reconstruct"]);
-            (Key::Line(l.style, l.pattern), label)
-        };
-        let top = legend(canvas, top, &lines.iter().map(key).collect::<Vec<_>>())?;
-        let frames = lines.iter().map(|l| l.curve.rel_rmse.len());
-        let last = frames.max().unwrap_or(0).saturating_sub(1);
-        let x = Axis::from_zero("frame (0: at rest)", [last as f64].into_iter());
-        let values = lines.iter().flat_map(|l| l.curve.rel_rmse.iter().copied());
-        let y = Axis::from_zero("relative RMSE against the full render", values);
-        let plot = Plot::new(top, height, 84, x, y);
-        plot.draw(canvas)?;
-        for line in &lines {
-            let values = line.curve.rel_rmse.iter().enumerate();
-            let path: Vec<_> = values
-                .map(|(frame, value)| (plot.px(frame as f64), plot.py(*value)))
-                .collect();
-            canvas.dashed(&path, ink_of(line.style), 2, line.pattern)?;
-            path.iter()
-                .try_for_each(|at| canvas.marker(*at, 4.0, line.style, false))?;
-        }
-        let note = format!("{motion} Each frame against its own full render.");
-        caption(canvas, view, height, &note)
-    })?;
-    Ok(Some(svg))
+    let lines = shots.iter().map(|shot| {
+        let label = view.short_without(shot.cell, &["reconstruct"]);
+        (label, shot.cell.method.as_str(), line(shot))
+    });
+    let plane = Plane {
+        x: AxisSpec::new("frame (0: at rest)", Scale::Linear),
+        y: AxisSpec::new("relative RMSE against the full render", Scale::Linear),
+        series: apart(lines),
+        levels: Vec::new(),
+        places: Vec::new(),
+    };
+    Some((Data::Plane(plane), note))
 }
 
-fn lines<'a>(case: &Case<'a>, track: CameraTrack) -> Vec<Line<'a>> {
-    let mut lines: Vec<Line<'a>> = Vec::new();
-    for shot in case.shots() {
-        let parts = shot.numbers.reconstruction.as_ref();
-        if let Some(curve) = parts.and_then(|parts| parts.ghosting.get(&track)) {
-            let method = &shot.cell.method;
-            let rank = lines.iter().filter(|l| l.shot.cell.method == *method);
-            lines.push(Line {
-                shot,
-                curve,
-                pattern: PATTERNS[rank.count() % PATTERNS.len()],
-                style: Style::of(method),
-            });
-        }
-    }
-    lines
+fn curve(numbers: &Measured, track: CameraTrack) -> Option<&Ghosting> {
+    numbers.reconstruction.as_ref()?.ghosting.get(&track)
 }
 
 /// How the camera moves from frame to frame, in words.

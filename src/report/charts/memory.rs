@@ -2,20 +2,12 @@
 
 use super::super::format::bytes;
 use super::super::style::Style;
-use super::super::view::{Shot, View, distinct, plain};
-use super::WIDTH;
-use super::axis::Axis;
-use super::canvas::{Canvas, GRID, Hang, INK, MUTED, SMALL, sheet};
-use super::plot::{Key, Plot, caption, legend, room_for_rows, row_label, title};
+use super::super::view::{Case, Shot, View, distinct, plain};
+use super::axis::{AxisSpec, Scale};
+use super::chart::{self, Bar, Data, GREY, Rows, Shape};
+use super::plot::Key;
 use crate::cost::Memory;
-use crate::error::Result;
 
-/// Title of the chart; memory depends on neither scene nor sun.
-pub const TITLE: &str = "Memory of the maps: all scenes and suns";
-const WHAT: &str = "Memory of the maps";
-const WHERE: &str = "all scenes and suns";
-
-const ROW: i32 = 24;
 /// Rows beyond this are left to the table.
 const MOST: usize = 60;
 
@@ -27,87 +19,51 @@ struct Row<'a> {
 }
 
 /// Payload against map bytes; `None` when no method has a map.
-pub fn draw(view: &View<'_>) -> Result<Option<String>> {
+pub fn data(view: &View<'_>) -> Option<(Data, String)> {
     let rows = rows(view);
-    if rows
-        .iter()
-        .all(|r| r.memory.map_bytes == 0 && r.memory.payload_bytes == 0)
-    {
-        return Ok(None);
+    let no_map = |row: &Row<'_>| row.memory.map_bytes == 0 && row.memory.payload_bytes == 0;
+    if rows.iter().all(no_map) {
+        return None;
     }
-    let height = 192 + ROW * rows.len() as i32;
-    let svg = sheet(height, |canvas| {
-        let top = title(canvas, WHAT, WHERE)?;
-        let grey = Style {
-            rgb: (0x55, 0x55, 0x55),
-            marker: super::super::style::Marker::Circle,
-        };
-        let keys = [
-            (
-                Key::Hollow(grey),
-                "hollow: payload (values × bytes × texels)".to_owned(),
-            ),
-            (
-                Key::Marker(grey),
-                "filled: textures as allocated".to_owned(),
-            ),
-        ];
-        let top = legend(canvas, top, &keys)?;
-        let reach = rows
-            .iter()
-            .flat_map(|r| [r.memory.payload_bytes as f64, r.memory.map_bytes as f64]);
-        let axis = Axis::bytes(
-            "memory (bytes, log)",
-            "0 (no map)",
-            reach.collect::<Vec<_>>().into_iter(),
-        );
-        let left = room_for_rows(canvas, rows.iter().map(|r| r.label.as_str()))?;
-        let plot = Plot::new(top, height, left, axis.clone(), axis);
-        plot.draw_x(canvas)?;
-        for (i, row) in rows.iter().enumerate() {
-            draw_row(canvas, &plot, row, top + ROW * i as i32 + ROW / 2)?;
-        }
-        let [left, top, right, bottom] = plot.bounds;
-        canvas.frame([(left, top), (right, bottom)], INK)?;
-        caption(
-            canvas,
-            view,
-            height,
-            "Each method once for every resolution, storage and size that was measured.",
-        )
-    })?;
-    Ok(Some(svg))
+    let keys = [
+        (
+            Key::Hollow(GREY),
+            "hollow: payload (values × bytes × texels)",
+        ),
+        (Key::Marker(GREY), "filled: textures as allocated"),
+    ];
+    let rows = Rows {
+        axis: AxisSpec {
+            zero: "0 (no map)",
+            ..AxisSpec::new("memory (bytes, log)", Scale::Bytes)
+        },
+        keys: keys.map(|(key, text)| (key, text.to_owned())).into(),
+        rows: rows.into_iter().map(drawn).collect(),
+    };
+    let note = "Each method once for every resolution, storage and size that was measured.";
+    Some((Data::Rows(rows), note.to_owned()))
 }
 
-fn draw_row(canvas: &Canvas<'_>, plot: &Plot, row: &Row<'_>, y: i32) -> Result<()> {
-    let style = Style::of(row.method);
+fn drawn(row: Row<'_>) -> chart::Row {
     let (payload, map) = (row.memory.payload_bytes, row.memory.map_bytes);
-    let (a, b) = (plot.px(payload as f64), plot.px(map as f64));
-    canvas.line(&[(plot.bounds[0], y), (plot.bounds[2], y)], GRID, 1)?;
-    row_label(canvas, y, row.method, &row.label, plot.bounds[0])?;
-    canvas.line(&[(a, y), (b, y)], MUTED, 2)?;
-    canvas.marker((b, y), 5.0, style, false)?;
-    if a != b {
-        canvas.marker((a, y), 5.0, style, true)?;
+    let text = match payload == map {
+        true => bytes(map),
+        false => format!("{} → {}", bytes(payload), bytes(map)),
+    };
+    chart::Row {
+        style: Style::of(row.method),
+        bars: vec![Bar {
+            name: "",
+            shape: Shape::Pair(payload as f64, map as f64),
+            text,
+        }],
+        label: row.label,
     }
-    let text = if payload == map {
-        bytes(map)
-    } else {
-        format!("{} → {}", bytes(payload), bytes(map))
-    };
-    let width = canvas.width(&text, SMALL)?;
-    let (right, left) = (a.max(b) + 12, a.min(b) - 12 - width);
-    let at = if right + width < WIDTH - 28 {
-        right
-    } else {
-        left.max(plot.bounds[0] + 4)
-    };
-    canvas.text((at, y), &text, SMALL, MUTED, Hang::Right)
 }
 
 fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
     let mut out: Vec<(Row<'a>, Shot<'a>)> = Vec::new();
-    for shot in view.cases.iter().flat_map(super::super::view::Case::shots) {
+    for shot in view.cases.iter().flat_map(Case::shots) {
         let memory = Memory {
             allocator_bytes: None,
             ..shot.numbers.memory

@@ -1,28 +1,128 @@
-//! The charts of a report, as SVG text. A chart without data is not made.
+//! The charts of a report.
+//!
+//! A chart is data ([`chart::Chart`]): title, axes, series or rows. One function draws them all, so sizes, dashes, legends
+//! and number formats are decided once, for batch reports, studies, the stability sweep and the probe.
+//!
+//! To add a chart to batch reports, add a row to [`CHARTS`]. Two numbers of a cell against each other, or a number over a
+//! parameter, need no more ([`numbers`] has the numbers); a chart that arranges its data in another way has a file here
+//! with a function that returns [`Data`]. A chart without data is not made.
 
-mod axis;
-mod bars;
+pub mod axis;
 pub mod canvas;
-pub mod curves;
+mod cells;
+pub mod chart;
+mod draw;
 mod errors;
-pub mod extremes;
 pub mod ghosting;
 mod labels;
 mod memory;
+mod numbers;
+mod plane;
 mod plot;
 pub mod probe;
-mod scatter;
-mod steps;
+mod rows;
+mod times;
 
 use super::view::{Case, View};
 use crate::error::Result;
 use crate::scene::CameraTrack;
+use cells::Sweep;
+use chart::{Chart, Data};
+use numbers::{ERROR, MEMORY, Number, TIME};
 
 /// Width of every chart in pixels; text is at least 12 px at this width.
 pub const WIDTH: i32 = 700;
 
-/// One chart.
-pub struct Chart {
+/// A chart of batch reports.
+struct Kind {
+    /// How its files' names begin.
+    stem: &'static str,
+    /// What it shows.
+    title: &'static str,
+    /// Where its data come from.
+    source: Source,
+}
+
+/// Where the data of a chart come from, with a line on how to read them; no data, no chart.
+enum Source {
+    /// Of each case: one number against another, a point for each cell, and the frontier of both.
+    Cells(&'static Number, &'static Number),
+    /// Of each case: a number over a parameter, a line for each remaining setting.
+    Sweep(Sweep, &'static Number),
+    /// Of each case: a function of the chart's own.
+    Case(fn(&View<'_>, &Case<'_>) -> Option<(Data, String)>),
+    /// Of the whole report: a function of the chart's own.
+    Report(fn(&View<'_>) -> Option<(Data, String)>),
+}
+
+/// Every chart, in the order of the page.
+const CHARTS: &[Kind] = &[
+    Kind {
+        stem: "error-time",
+        title: "Error against time",
+        source: Source::Cells(&TIME, &ERROR),
+    },
+    Kind {
+        stem: "error-bytes",
+        title: "Error against memory",
+        source: Source::Cells(&MEMORY, &ERROR),
+    },
+    Kind {
+        stem: "error-steps",
+        title: "Error against steps",
+        source: Source::Sweep(
+            Sweep {
+                param: "steps",
+                axis: "steps of the light or map march (log)",
+                note: "Each line: one method at one setting of everything but its steps.",
+            },
+            &ERROR,
+        ),
+    },
+    Kind {
+        stem: "error-step-length",
+        title: "Error against step length",
+        source: Source::Sweep(
+            Sweep {
+                param: "step_m",
+                axis: "step of the light march (m, log)",
+                note: "Each line: one method at one setting of everything but its step. The truth's own step has no error.",
+            },
+            &ERROR,
+        ),
+    },
+    Kind {
+        stem: "time",
+        title: "Time of each cell",
+        source: Source::Case(times::data),
+    },
+    Kind {
+        stem: "three-errors",
+        title: "Three errors of each cell",
+        source: Source::Case(errors::data),
+    },
+    Kind {
+        stem: "ghosting-pan",
+        title: "Ghosting on a pan",
+        source: Source::Case(|view, case| ghosting::data(view, case, CameraTrack::Pan)),
+    },
+    Kind {
+        stem: "ghosting-dolly",
+        title: "Ghosting on a dolly",
+        source: Source::Case(|view, case| ghosting::data(view, case, CameraTrack::Dolly)),
+    },
+    Kind {
+        stem: "memory",
+        title: "Memory of the maps",
+        source: Source::Report(memory::data),
+    },
+];
+
+/// What a chart of the whole report is a chart of.
+const WHOLE: &str = "all scenes and suns";
+
+/// A drawn chart of a report.
+pub struct Drawing {
     /// File name inside `charts/`.
     pub file: String,
     /// What it shows, of which scene and sun.
@@ -33,59 +133,49 @@ pub struct Chart {
     pub svg: String,
 }
 
-/// Draws a chart of one case; `None` when it has no data for it.
-type Draw = fn(&View<'_>, &Case<'_>) -> Result<Option<String>>;
-
-/// The charts of a case: how their files' names begin, their titles, and who draws them.
-const OF_CASES: [(&str, &str, Draw); 8] = [
-    ("error-time", "Error against time", scatter::error_time),
-    ("error-bytes", "Error against memory", scatter::error_bytes),
-    ("error-steps", steps::COUNT.title, |view, case| {
-        steps::draw(view, case, &steps::COUNT)
-    }),
-    ("error-step-length", steps::LENGTH.title, |view, case| {
-        steps::draw(view, case, &steps::LENGTH)
-    }),
-    ("time", "Time of each cell", bars::draw),
-    ("three-errors", "Three errors of each cell", errors::draw),
-    (
-        "ghosting-pan",
-        ghosting::title_of(CameraTrack::Pan),
-        |view, case| ghosting::draw(view, case, CameraTrack::Pan),
-    ),
-    (
-        "ghosting-dolly",
-        ghosting::title_of(CameraTrack::Dolly),
-        |view, case| ghosting::draw(view, case, CameraTrack::Dolly),
-    ),
-];
-
-/// How the name of the chart of the whole report begins.
-const MEMORY: &str = "memory";
-
 /// How the names of all charts begin.
 pub fn kinds() -> impl Iterator<Item = &'static str> {
-    OF_CASES.iter().map(|(kind, ..)| *kind).chain([MEMORY])
+    CHARTS.iter().map(|kind| kind.stem)
 }
 
-/// Every chart that has data, case by case.
-pub fn all(view: &View<'_>) -> Result<Vec<Chart>> {
-    let mut out = Vec::new();
-    for case in &view.cases {
-        for (kind, what, draw) in OF_CASES {
-            out.extend(draw(view, case)?.map(|svg| Chart {
-                file: format!("{kind}-{}.svg", case.slug),
-                title: format!("{what}: {}", case.name),
-                case: Some(case.number),
-                svg,
-            }));
-        }
+/// Every chart that has data, case by case, then those of the whole report.
+pub fn all(view: &View<'_>) -> Result<Vec<Drawing>> {
+    let cases = view.cases.iter().map(Some).chain([None]);
+    let pairs = cases.flat_map(|case| CHARTS.iter().map(move |kind| (case, kind)));
+    let drawn = pairs.filter_map(|(case, kind)| kind.draw(view, case).transpose());
+    drawn.collect()
+}
+
+impl Kind {
+    /// The chart of one case or, without one, of the whole report; `None` where it is not such a chart or has no data.
+    fn draw(&self, view: &View<'_>, case: Option<&Case<'_>>) -> Result<Option<Drawing>> {
+        let data = match (&self.source, case) {
+            (Source::Cells(x, y), Some(case)) => cells::scatter(view, case, [x, y]),
+            (Source::Sweep(over, y), Some(case)) => cells::sweep(view, case, over, y),
+            (Source::Case(data), Some(case)) => data(view, case),
+            (Source::Report(data), None) => data(view),
+            _ => None,
+        };
+        let Some((data, note)) = data else {
+            return Ok(None);
+        };
+        let (name, of) = case.map_or((WHOLE, WHOLE), |c| (c.name.as_str(), c.short_name.as_str()));
+        let chart = Chart {
+            title: self.title.to_owned(),
+            of: of.to_owned(),
+            data,
+            source: format!("Measured on {}", view.adapter()),
+            note,
+        };
+        let stem = self.stem;
+        Ok(chart.svg()?.map(|svg| Drawing {
+            file: case.map_or_else(
+                || format!("{stem}.svg"),
+                |c| format!("{stem}-{}.svg", c.slug),
+            ),
+            title: format!("{}: {name}", self.title),
+            case: case.map(|case| case.number),
+            svg,
+        }))
     }
-    out.extend(memory::draw(view)?.map(|svg| Chart {
-        file: format!("{MEMORY}.svg"),
-        title: memory::TITLE.to_owned(),
-        case: None,
-        svg,
-    }));
-    Ok(out)
 }

@@ -1,40 +1,40 @@
-//! The parts all charts share: title, legend, axes with grid, caption with the adapter.
+//! The parts all charts share: title, legend, axes with grid, lines at the foot.
 
 use super::super::style::Style;
-use super::super::view::View;
 use super::WIDTH;
 use super::axis::{Axis, CROWDED, Tick};
 use super::canvas::{Canvas, GRID, Hang, INK, MUTED, Px, SMALL, TEXT, TITLE, ink_of};
+use super::chart::{DOTTED, Dash};
 use crate::error::Result;
 use plotters::style::RGBColor;
 
 /// Left and right margin, px.
 pub const MARGIN: i32 = 16;
-/// Room for the marker before the label of a row, px.
-const ROW_LEAD: i32 = 18;
 /// Room under a plot for tick labels and the axis title.
 const UNDER: i32 = 48;
 /// Room for the two caption lines.
 const CAPTION: i32 = 44;
 
-/// Title of an axis of errors; they have no unit.
-pub const ERROR_TITLE: &str = "relative RMSE against the truth (log)";
-
 /// What stands before an entry of the legend.
+#[derive(Clone, Debug)]
 pub enum Key {
     /// A method's marker.
     Marker(Style),
     /// A method's marker without filling.
     Hollow(Style),
-    /// A line with a marker, dashed by the pattern.
-    Line(Style, &'static [f64]),
-    /// The Pareto frontier.
-    Frontier,
-    /// The frontier of the methods with a map.
-    MapFrontier,
-    /// A box of one colour.
+    /// A line of a method's colour, and whether its marker is on it.
+    Line(Style, Dash, bool),
+    /// A thin grey line, and whether a ring is on it.
+    Thin(Dash, bool),
+    /// A box of one colour, this opaque.
     Swatch(RGBColor, f64),
 }
+
+/// Pattern of the frontier's line.
+pub const FRONTIER_DASH: Dash = &[5.0, 4.0];
+
+/// Room below a plot, px: tick labels, axis title, lines at the foot.
+pub const BELOW: i32 = UNDER + CAPTION;
 
 /// Draws the title, what is shown and of which scene and sun; returns where the next thing may start.
 pub fn title(canvas: &Canvas<'_>, what: &str, of: &str) -> Result<i32> {
@@ -49,7 +49,7 @@ pub fn legend(canvas: &Canvas<'_>, top: i32, entries: &[(Key, String)]) -> Resul
     let (mut x, mut y) = (MARGIN, top + 9);
     for (key, text) in entries {
         let text = canvas.fit(text, TEXT, 300)?;
-        let lead = if matches!(key, Key::Line(..) | Key::Frontier | Key::MapFrontier) {
+        let lead = if matches!(key, Key::Line(..) | Key::Thin(..)) {
             42
         } else {
             20
@@ -69,15 +69,20 @@ fn draw_key(canvas: &Canvas<'_>, (x, y): Px, key: &Key) -> Result<()> {
     match key {
         Key::Marker(style) => canvas.marker((x + 7, y), 5.0, *style, false),
         Key::Hollow(style) => canvas.marker((x + 7, y), 5.0, *style, true),
-        Key::Line(style, pattern) => {
-            canvas.dashed(&[(x, y), (x + 34, y)], ink_of(*style), 2, pattern)?;
-            canvas.marker((x + 17, y), 4.0, *style, false)
+        Key::Line(style, dash, marker) => {
+            canvas.dashed(&[(x, y), (x + 34, y)], ink_of(*style), 2, dash)?;
+            if *marker {
+                canvas.marker((x + 17, y), 4.0, *style, false)?;
+            }
+            Ok(())
         }
-        Key::Frontier => {
-            canvas.dashed(&[(x, y), (x + 34, y)], MUTED, 1, FRONTIER_DASH)?;
-            canvas.ring((x + 17, y), 9, INK, 2)
+        Key::Thin(dash, ring) => {
+            canvas.dashed(&[(x, y), (x + 34, y)], MUTED, 1, dash)?;
+            if *ring {
+                canvas.ring((x + 17, y), 9, INK, 2)?;
+            }
+            Ok(())
         }
-        Key::MapFrontier => canvas.dashed(&[(x, y), (x + 34, y)], MUTED, 1, MAP_DASH),
         Key::Swatch(color, alpha) => {
             use plotters::style::Color as _;
             canvas.rect([(x, y - 6), (x + 14, y + 6)], color.mix(*alpha))?;
@@ -86,44 +91,15 @@ fn draw_key(canvas: &Canvas<'_>, (x, y): Px, key: &Key) -> Result<()> {
     }
 }
 
-/// Pattern of the frontier's line.
-pub const FRONTIER_DASH: &[f64] = &[5.0, 4.0];
-
-/// Pattern of the line of the methods with a map.
-pub const MAP_DASH: &[f64] = &[2.0, 3.0];
-
-/// Draws the two lines at the foot: adapter with device type, then what the marks mean.
-pub fn caption(canvas: &Canvas<'_>, view: &View<'_>, height: i32, note: &str) -> Result<()> {
-    let adapter = format!("Measured on {}", view.adapter());
-    foot(canvas, &adapter, height, note)
-}
-
-/// Two lines at the foot: where the numbers come from, and a note.
+/// Two lines at the foot: where the numbers come from, and a note. What is empty is left out.
 pub fn foot(canvas: &Canvas<'_>, source: &str, height: i32, note: &str) -> Result<()> {
-    let room = WIDTH - 2 * MARGIN;
-    let source = canvas.fit(source, SMALL, room)?;
-    canvas.text((MARGIN, height - 32), &source, SMALL, MUTED, Hang::Right)?;
-    let note = canvas.fit(note, SMALL, room)?;
-    canvas.text((MARGIN, height - 14), &note, SMALL, MUTED, Hang::Right)
-}
-
-/// Room that the labels of rows need at the left, px: no more than a third of the sheet.
-pub fn room_for_rows<'a>(
-    canvas: &Canvas<'_>,
-    labels: impl Iterator<Item = &'a str>,
-) -> Result<i32> {
-    let mut widest = 0;
-    for label in labels {
-        widest = widest.max(canvas.width(label, SMALL)?);
+    for (text, y) in [(source, height - 32), (note, height - 14)] {
+        if !text.is_empty() {
+            let text = canvas.fit(text, SMALL, WIDTH - 2 * MARGIN)?;
+            canvas.text((MARGIN, y), &text, SMALL, MUTED, Hang::Right)?;
+        }
     }
-    Ok((MARGIN + ROW_LEAD + widest + 12).min(WIDTH / 3))
-}
-
-/// Draws a row's label at the left: the method's marker and words that fit `room`.
-pub fn row_label(canvas: &Canvas<'_>, y: i32, method: &str, label: &str, room: i32) -> Result<()> {
-    canvas.marker((MARGIN + 6, y), 4.5, Style::of(method), false)?;
-    let label = canvas.fit(label, SMALL, room - MARGIN - ROW_LEAD - 10)?;
-    canvas.text((MARGIN + ROW_LEAD, y), &label, SMALL, INK, Hang::Right)
+    Ok(())
 }
 
 /// The rectangle of the data with its two axes.
@@ -138,7 +114,7 @@ impl Plot {
     /// A plot from `top` down to the caption of a sheet of `height`, with `left` px for the y axis.
     pub fn new(top: i32, height: i32, left: i32, x: Axis, y: Axis) -> Self {
         Self {
-            bounds: [left, top, WIDTH - 24, height - CAPTION - UNDER],
+            bounds: [left, top, WIDTH - 24, height - BELOW],
             x,
             y,
         }
@@ -199,7 +175,7 @@ impl Plot {
                 taken.push(span);
             }
         }
-        canvas.dashed(&self.break_line(), MUTED, 1, &[2.0, 4.0])?;
+        canvas.dashed(&self.break_line(), MUTED, 1, DOTTED)?;
         canvas.text(
             ((left + right) / 2, bottom + 35),
             &self.x.title,
@@ -226,7 +202,7 @@ impl Plot {
         }
         if let Some(share) = self.y.break_at() {
             let y = bottom - (share * f64::from(bottom - top)).round() as i32;
-            canvas.dashed(&[(left, y), (right, y)], MUTED, 1, &[2.0, 4.0])?;
+            canvas.dashed(&[(left, y), (right, y)], MUTED, 1, DOTTED)?;
         }
         canvas.upright((18, (top + bottom) / 2), &self.y.title, TEXT)
     }

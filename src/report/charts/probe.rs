@@ -2,146 +2,115 @@
 
 use super::super::format::number;
 use super::super::style::Style;
-use super::axis::Axis;
-use super::canvas::{Canvas, GRID, Hang, INK, MUTED, Px, SMALL, ink_of, sheet};
-use super::plot::{Key, MAP_DASH, Plot, foot, legend, title};
-use crate::error::Result;
+use super::axis::AxisSpec;
+use super::chart::{Chart, Data, GREY, Look, Plane, Point, SOLID, Series};
 use crate::probe::{Curve, Probe};
-use plotters::style::Color as _;
 
-const HEIGHT: i32 = 560;
 /// Depths between two markers of a curve.
 const MARKED: usize = 64;
 /// Share of the plot's height that the largest extinction takes.
 const PROFILE: f64 = 0.25;
-/// Height of the strip that shows where a series is outside, px.
-const STRIP: i32 = 7;
+/// T at the upper edge.
+const UPPER: f64 = 1.05;
 
 /// The chart; `of` says which scene and column, `seen_m` is the depth of the pixel's point, if a pixel was asked for.
-pub fn draw(probe: &Probe, of: &str, seen_m: Option<f64>) -> Result<String> {
-    sheet(HEIGHT, |canvas| {
-        let top = title(canvas, "Light transmittance along one column", of)?;
-        let top = legend(canvas, top, &keys(probe, seen_m))?;
-        let depth = "depth inside the layer from its sun side, d (m)";
-        let x = Axis::from_zero(depth, probe.depths_m.iter().map(|d| d / 1.05));
-        let y = Axis::from_zero("transmittance T(d)", [1.0].into_iter());
-        let plot = Plot::new(top, HEIGHT, 74, x, y);
-        plot.draw(canvas)?;
-        profile(canvas, &plot, probe)?;
-        if let Some(depth_m) = seen_m {
-            let [_, top, _, bottom] = plot.bounds;
-            let x = plot.px(depth_m);
-            canvas.dashed(&[(x, top), (x, bottom)], MUTED, 1, MAP_DASH)?;
-        }
-        line(canvas, &plot, probe, "truth", &probe.truth, 3)?;
-        for (i, curve) in probe.curves.iter().enumerate() {
-            line(canvas, &plot, probe, curve.method, &curve.transmittance, 2)?;
-            markers(canvas, &plot, probe, curve, i)?;
-            marks(canvas, &plot, probe, curve)?;
-        }
-        let note = "Methods at their defaults, maps with their own texels, steps and storage.";
-        foot(canvas, "Computed by the f64 oracle", HEIGHT, note)
-    })
+pub fn chart(probe: &Probe, of: &str, seen_m: Option<f64>) -> Chart {
+    let tau = -probe.truth.last().copied().unwrap_or(1.0).ln();
+    let mut series = vec![Series {
+        label: format!("truth, τ = {}", number(tau)),
+        style: Style::of("truth"),
+        look: Look::Bare(SOLID, 3),
+        points: points(probe, &probe.truth),
+    }];
+    series.extend((0..probe.curves.len()).map(|i| curve(probe, i)));
+    series.extend(probe.curves.iter().flat_map(|curve| marks(probe, curve)));
+    series.push(profile(probe));
+    let place = |depth_m: f64| {
+        let words = format!("the pixel's point, {} m", number(depth_m));
+        (depth_m, words)
+    };
+    let end_m = probe.depths_m.last().copied().unwrap_or(1.0);
+    let plane = Plane {
+        x: AxisSpec::up_to("depth inside the layer from its sun side, d (m)", end_m),
+        y: AxisSpec::up_to("transmittance T(d)", UPPER),
+        series,
+        levels: Vec::new(),
+        places: seen_m.map(place).into_iter().collect(),
+    };
+    Chart {
+        title: "Light transmittance along one column".to_owned(),
+        of: of.to_owned(),
+        data: Data::Plane(plane),
+        source: "Computed by the f64 oracle".to_owned(),
+        note: "Methods at their defaults, maps with their own texels, steps and storage."
+            .to_owned(),
+    }
 }
 
-fn keys(probe: &Probe, seen_m: Option<f64>) -> Vec<(Key, String)> {
-    let tau = -probe.truth.last().copied().unwrap_or(1.0).ln();
-    let mut keys = vec![(
-        Key::Line(Style::of("truth"), &[]),
-        format!("truth, τ = {}", number(tau)),
-    )];
-    for curve in &probe.curves {
-        let style = Style::of(curve.method);
-        keys.push((Key::Line(style, &[]), curve.method.to_owned()));
+fn points(probe: &Probe, values: &[f64]) -> Vec<Point> {
+    let pairs = probe.depths_m.iter().zip(values);
+    pairs.map(|(depth, t)| Point::at(*depth, *t)).collect()
+}
+
+/// A method's curve, its markers shifted so that those of equal curves stay apart.
+fn curve(probe: &Probe, i: usize) -> Series {
+    let curve = &probe.curves[i];
+    Series {
+        label: curve.method.to_owned(),
+        style: Style::of(curve.method),
+        look: Look::Sparse(MARKED * (i + 1) / (probe.curves.len() + 1), MARKED),
+        points: points(probe, &curve.transmittance),
     }
-    for curve in &probe.curves {
-        let style = Style::of(curve.method);
-        if curve.outside.contains(&true) {
-            let text = format!("{}: T rises, or τ̂ outside [0, τ]", curve.method);
-            keys.push((Key::Swatch(ink_of(style), 0.5), text));
-        }
-        if curve.clamped_from.is_some() {
-            let text = format!("{}: min(D_max, ·) sets in", curve.method);
-            keys.push((Key::Hollow(style), text));
-        }
+}
+
+/// Where a series is outside, and the point where a clamp sets in.
+fn marks(probe: &Probe, curve: &Curve) -> Vec<Series> {
+    let style = Style::of(curve.method);
+    let pairs = probe.depths_m.windows(2).enumerate();
+    let outside = pairs.filter(|(i, _)| curve.outside[i + 1]);
+    let outside = outside.map(|(_, pair)| over([pair[0], pair[1]], 1.0));
+    let clamped = curve.clamped_from.map(|from| Point {
+        label: "D_max".to_owned(),
+        ..Point::at(probe.depths_m[from], curve.transmittance[from])
+    });
+    vec![
+        Series {
+            label: format!("{}: T rises, or τ̂ outside [0, τ]", curve.method),
+            style,
+            look: Look::Strip,
+            points: outside.collect(),
+        },
+        Series {
+            label: format!("{}: min(D_max, ·) sets in", curve.method),
+            style,
+            look: Look::Hollow,
+            points: clamped.into_iter().collect(),
+        },
+    ]
+}
+
+fn over(range: [f64; 2], y: f64) -> Point {
+    Point {
+        x_range: Some(range),
+        ..Point::at(range[0], y)
     }
-    let text = format!("extinction, up to {} m⁻¹", number(densest(probe)));
-    keys.push((Key::Swatch(GRID, 1.0), text));
-    if let Some(depth_m) = seen_m {
-        let text = format!("the pixel's point, {} m", number(depth_m));
-        keys.push((Key::MapFrontier, text));
-    }
-    keys
 }
 
 /// Extinction as columns from the foot of the plot.
-fn profile(canvas: &Canvas<'_>, plot: &Plot, probe: &Probe) -> Result<()> {
-    let most = densest(probe);
-    if most <= 0.0 {
-        return Ok(());
+fn profile(probe: &Probe) -> Series {
+    let densest = probe.extinction_per_m.iter().copied().fold(0.0, f64::max);
+    let scale = if densest > 0.0 {
+        PROFILE / densest
+    } else {
+        0.0
+    };
+    let pairs = probe.depths_m.windows(2).zip(&probe.extinction_per_m);
+    Series {
+        label: format!("extinction, up to {} m⁻¹", number(densest)),
+        style: GREY,
+        look: Look::Columns,
+        points: pairs
+            .map(|(pair, sigma)| over([pair[0], pair[1]], scale * sigma))
+            .collect(),
     }
-    for (pair, sigma) in probe.depths_m.windows(2).zip(&probe.extinction_per_m) {
-        let corners = [
-            (plot.px(pair[0]), plot.py(PROFILE * sigma / most)),
-            (plot.px(pair[1]), plot.py(0.0)),
-        ];
-        canvas.rect(corners, GRID)?;
-    }
-    Ok(())
-}
-
-fn densest(probe: &Probe) -> f64 {
-    probe.extinction_per_m.iter().copied().fold(0.0, f64::max)
-}
-
-fn points(plot: &Plot, probe: &Probe, values: &[f64]) -> Vec<Px> {
-    let pairs = probe.depths_m.iter().zip(values);
-    pairs
-        .filter(|(_, t)| t.is_finite())
-        .map(|(d, t)| (plot.px(*d), plot.py(*t)))
-        .collect()
-}
-
-fn line(
-    canvas: &Canvas<'_>,
-    plot: &Plot,
-    probe: &Probe,
-    method: &str,
-    values: &[f64],
-    width: u32,
-) -> Result<()> {
-    let color = ink_of(Style::of(method));
-    canvas.line(&points(plot, probe, values), color, width)
-}
-
-/// Markers, shifted from curve to curve so that those of equal curves stay apart.
-fn markers(canvas: &Canvas<'_>, plot: &Plot, probe: &Probe, curve: &Curve, i: usize) -> Result<()> {
-    let shift = MARKED * (i + 1) / (probe.curves.len() + 1);
-    let all = points(plot, probe, &curve.transmittance);
-    let style = Style::of(curve.method);
-    let some = all.iter().skip(shift).step_by(MARKED);
-    some.copied()
-        .try_for_each(|at| canvas.marker(at, 4.0, style, false))
-}
-
-/// The strip where a series is outside, under the top edge, and the point where a clamp sets in.
-fn marks(canvas: &Canvas<'_>, plot: &Plot, probe: &Probe, curve: &Curve) -> Result<()> {
-    let style = Style::of(curve.method);
-    let top = plot.bounds[1];
-    for (i, pair) in probe.depths_m.windows(2).enumerate() {
-        if curve.outside[i + 1] {
-            let corners = [(plot.px(pair[0]), top + 1), (plot.px(pair[1]), top + STRIP)];
-            canvas.rect(corners, ink_of(style).mix(0.5))?;
-        }
-    }
-    if let Some(from) = curve.clamped_from {
-        let at = (
-            plot.px(probe.depths_m[from]),
-            plot.py(curve.transmittance[from]),
-        );
-        canvas.marker(at, 8.0, style, true)?;
-        let label = (at.0, at.1 + 20);
-        canvas.text(label, "D_max", SMALL, INK, Hang::Middle)?;
-    }
-    Ok(())
 }

@@ -129,7 +129,7 @@ fn by_error(view: &View<'_>) -> Markup {
         "Median " (view.clock().name()) " time of " (view.timed()) ", bytes of the map" @if view.temporal() { " and the history" } "." (view.frames())
         @if view.cases.len() > 1 { " Last row: one setting for all views, by its worst error and time." }
     };
-    parts::table(view, caption, "answers totals", head, body)
+    parts::table(view, caption, "answers totals stacked", head, body)
 }
 
 /// The cheapest offer within the limit, or how close the best one comes.

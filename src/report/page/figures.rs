@@ -1,46 +1,33 @@
 //! The charts, inlined.
 
-use super::super::charts::{Chart, WIDTH};
+use super::super::charts::Drawing;
+use super::super::shell::parts;
 use super::super::view::View;
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 /// The section: charts by case, then those of the whole report.
-pub fn section(view: &View<'_>, charts: &[Chart]) -> Markup {
+pub fn section(view: &View<'_>, charts: &[Drawing]) -> Markup {
     html! {
         section #charts {
             h2 { "Charts" }
             @if charts.is_empty() { p.notice { "No cell has numbers to draw." } }
             @for case in &view.cases {
-                @let own: Vec<&Chart> = charts.iter().filter(|c| c.case == Some(case.number)).collect();
+                @let own: Vec<&Drawing> = charts.iter().filter(|c| c.case == Some(case.number)).collect();
                 @if !own.is_empty() { h3 { (case.name) } (grid(&own)) }
             }
-            @let whole: Vec<&Chart> = charts.iter().filter(|c| c.case.is_none()).collect();
+            @let whole: Vec<&Drawing> = charts.iter().filter(|c| c.case.is_none()).collect();
             @if !whole.is_empty() { h3 { "All scenes and suns" } (grid(&whole)) }
         }
     }
 }
 
-fn grid(charts: &[&Chart]) -> Markup {
+fn grid(charts: &[&Drawing]) -> Markup {
     html! {
         div.charts {
             @for chart in charts {
-                figure.chart {
-                    div.scroll tabindex="0" role="img" aria-label=(chart.title) { (PreEscaped(fluid(&chart.svg))) }
-                    figcaption { a href={ "./charts/" (chart.file) } { (chart.file) } }
-                }
+                @let link = html! { a href={ "./charts/" (chart.file) } { (chart.file) } };
+                (parts::chart(&chart.title, &chart.svg, Some(link)))
             }
         }
-    }
-}
-
-/// The SVG without its fixed size, so that it fills the room it has. Its text is already escaped.
-pub fn fluid(svg: &str) -> String {
-    let fixed = format!("<svg width=\"{WIDTH}\" height=\"");
-    match svg
-        .strip_prefix(&fixed)
-        .and_then(|rest| rest.split_once("\" "))
-    {
-        Some((_, rest)) => format!("<svg {rest}"),
-        None => svg.to_owned(),
     }
 }

@@ -1,20 +1,27 @@
 //! Curves T(d) where something breaks or rings.
 
-use super::super::charts::WIDTH;
-use super::super::charts::extremes::{Curve, draw};
+use super::super::charts::axis::AxisSpec;
+use super::super::charts::chart::{
+    Chart, DASHED, DOTTED, Dash, Data, Look, Plane, Point, SOLID, Series,
+};
+use super::super::shell::parts;
+use super::super::style::Style;
 use super::heat::label;
 use crate::error::Result;
 use crate::stability::{Case, Row, Sweep, Verdict};
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
-/// A chart and what it shows.
-pub struct Chart {
+/// T at the upper edge of a chart.
+const UPPER: f64 = 1.05;
+
+/// A drawn chart and what it shows.
+pub struct Drawing {
     title: String,
     svg: String,
 }
 
 /// The worst curves of every method and form: one that rings, one that breaks, one with values that are not finite.
-pub fn charts(sweep: &Sweep) -> Result<Vec<Chart>> {
+pub fn charts(sweep: &Sweep) -> Result<Vec<Drawing>> {
     let mut picked: Vec<(&Case, &Row, bool, f64)> = Vec::new();
     for case in &sweep.cases {
         for row in &case.rows {
@@ -45,9 +52,14 @@ pub fn charts(sweep: &Sweep) -> Result<Vec<Chart>> {
             row.flushed.verdict,
         )
     });
+    let draw = |(case, row, _, _): &(&Case, &Row, bool, f64)| {
+        let chart = chart(sweep, case, row);
+        let title = format!("{}, {}", chart.title, chart.of);
+        Ok(chart.svg()?.map(|svg| Drawing { title, svg }))
+    };
     picked
         .iter()
-        .map(|(case, row, _, _)| chart(sweep, case, row))
+        .filter_map(|entry| draw(entry).transpose())
         .collect()
 }
 
@@ -69,63 +81,67 @@ fn badness(case: &Case, row: &Row) -> f64 {
     sum / case.truth.len().max(1) as f64
 }
 
-fn chart(sweep: &Sweep, case: &Case, row: &Row) -> Result<Chart> {
-    let what = format!("T along a column: {}", label(&row.setting));
-    let of = format!("{}: {}", case.group, case.name);
-    let depths = || case.depths.iter().copied();
-    let mut curves = vec![Curve {
+fn chart(sweep: &Sweep, case: &Case, row: &Row) -> Chart {
+    let truth = Series {
         label: "truth".to_owned(),
-        method: "truth".to_owned(),
-        pattern: &[],
-        points: depths().zip(case.truth.iter().copied().map(Some)).collect(),
-    }];
-    let mut add = |row: &Row, pattern| {
-        let points = row.curve.iter().map(|t| t.map(f64::from));
-        curves.push(Curve {
-            label: label(&row.setting),
-            method: row.setting.method.clone(),
-            pattern,
-            points: depths().zip(points).collect(),
-        });
+        style: Style::of("truth"),
+        look: Look::Bare(SOLID, 3),
+        points: points(case, case.truth.iter().copied()),
     };
-    if row.setting.form == "published" {
-        let mut stable = row.setting.clone();
-        stable.form = "stable".to_owned();
-        if let Some(stable) = case.rows.iter().find(|other| other.setting == stable) {
-            add(stable, &[2.0, 3.0]);
-        }
+    let curve = |row: &Row, dash: Dash| Series {
+        label: label(&row.setting),
+        style: Style::of(&row.setting.method),
+        look: Look::Bare(dash, 2),
+        points: points(
+            case,
+            row.curve.iter().map(|t| t.map_or(f64::NAN, f64::from)),
+        ),
+    };
+    let stable = stable(case, row).map(|stable| curve(stable, DOTTED));
+    Chart {
+        title: format!("T along a column: {}", label(&row.setting)),
+        of: format!("{}: {}", case.group, case.name),
+        data: Data::Plane(Plane {
+            x: AxisSpec::up_to("depth, share of the column", UPPER),
+            y: AxisSpec::up_to("T", UPPER),
+            series: [Some(truth), stable, Some(curve(row, DASHED))]
+                .into_iter()
+                .flatten()
+                .collect(),
+            levels: Vec::new(),
+            places: Vec::new(),
+        }),
+        source: String::new(),
+        note: format!(
+            "On the oracle, rounded as the storage does, denormals flushed. Profile {}.",
+            sweep.profile
+        ),
     }
-    add(row, &[8.0, 4.0]);
-    let formats = "On the oracle, rounded as the storage does, denormals flushed.";
-    let note = format!("{formats} Profile {}.", sweep.profile);
-    let svg = draw(&what, &of, &note, &curves)?;
-    Ok(Chart {
-        title: format!("{what}, {of}"),
-        svg,
-    })
+}
+
+fn points(case: &Case, values: impl Iterator<Item = f64>) -> Vec<Point> {
+    let pairs = case.depths.iter().zip(values);
+    pairs.map(|(depth, t)| Point::at(*depth, t)).collect()
+}
+
+/// The stable form of a published one at the same setting, where there is one.
+fn stable<'a>(case: &'a Case, row: &Row) -> Option<&'a Row> {
+    if row.setting.form != "published" {
+        return None;
+    }
+    let mut stable = row.setting.clone();
+    stable.form = "stable".to_owned();
+    case.rows.iter().find(|other| other.setting == stable)
 }
 
 /// The section.
-pub fn section(charts: &[Chart]) -> Markup {
+pub fn section(charts: &[Drawing]) -> Markup {
     html! {
         section #curves {
             h2 { "Where something breaks or rings" }
             p { "Of each method and form the extreme that shows it most; the first light column of the case." }
             @if charts.is_empty() { p { "Nothing does." } }
-            div.charts { @for chart in charts {
-                figure.chart {
-                    div.scroll tabindex="0" role="img" aria-label=(chart.title) { (PreEscaped(fluid(&chart.svg))) }
-                }
-            } }
+            div.charts { @for chart in charts { (parts::chart(&chart.title, &chart.svg, None)) } }
         }
     }
-}
-
-/// The SVG without its fixed size, so that it fills the room it has.
-fn fluid(svg: &str) -> String {
-    let fixed = format!("<svg width=\"{WIDTH}\" height=\"");
-    let rest = svg
-        .strip_prefix(&fixed)
-        .and_then(|rest| rest.split_once("\" "));
-    rest.map_or_else(|| svg.to_owned(), |(_, rest)| format!("<svg {rest}"))
 }

@@ -5,11 +5,11 @@ mod heat;
 mod tables;
 
 use super::files;
-use super::format::shorten;
-use super::page::parts::plural;
+use super::shell::parts::plural;
+use super::shell::{Header, Link, Page, page};
 use crate::error::{Error, Result};
 use crate::stability::{Sweep, Verdict};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use std::path::{Path, PathBuf};
 
 /// Writes `stability.json` and `index.html` into `folder`; returns the path of the page.
@@ -24,33 +24,35 @@ pub fn write(folder: &Path, sweep: &Sweep) -> Result<PathBuf> {
 
 fn html(sweep: &Sweep) -> Result<String> {
     let charts = curves::charts(sweep)?;
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (shorten(&sweep.name, 80)) " · occlab" }
-                style {
-                    (PreEscaped(include_str!("../page/style.css")))
-                    (PreEscaped(include_str!("style.css")))
-                }
-            }
-            body {
-                (headline(sweep))
-                main {
-                    (tables::defects(sweep))
-                    (tables::thresholds(sweep))
-                    (heat::section(sweep))
-                    (curves::section(&charts))
-                    (tables::refused(sweep))
-                    (tables::environment(sweep))
-                    (tables::definitions())
-                }
-            }
-        }
-    };
-    Ok(page.into_string())
+    let links = [
+        ("thresholds", "Thresholds"),
+        ("oracle", "Oracle"),
+        ("device", "Device"),
+        ("curves", "Curves"),
+        ("environment", "Environment"),
+        ("definitions", "Definitions"),
+    ];
+    Ok(page(&Page {
+        title: &sweep.name,
+        style: include_str!("style.css"),
+        header: Header {
+            kicker: "occlab · where numbers end",
+            heading: &sweep.name,
+            adapter: html! { "Oracle in f64, number formats emulated · pictures on " strong { (device(sweep)) } },
+            summary: summary(sweep),
+            links: links.map(|(id, words)| Link::Section(id, words)).into(),
+        },
+        main: html! {
+            (tables::defects(sweep))
+            (tables::thresholds(sweep))
+            (heat::section(sweep))
+            (curves::section(&charts))
+            (tables::refused(sweep))
+            (tables::environment(sweep))
+            (tables::definitions())
+        },
+        script: "",
+    }))
 }
 
 /// Name of the device, or that there was none.
@@ -62,43 +64,32 @@ fn device(sweep: &Sweep) -> String {
     )
 }
 
-fn headline(sweep: &Sweep) -> Markup {
+fn summary(sweep: &Sweep) -> Markup {
     let defects = sweep.defects().len();
     let rows: usize = sweep.cases.iter().map(|case| case.rows.len()).sum();
     let of = |form: &str, verdict: Verdict| sweep.count(form, verdict);
     html! {
-        header {
-            p.kicker { "occlab · where numbers end" }
-            h1 { (sweep.name) }
-            p.adapter { "Oracle in f64, number formats emulated · pictures on " strong { (device(sweep)) } }
-            p {
-                (plural(sweep.cases.len(), "extreme")) ", " (plural(rows, "result")) ", profile " (sweep.profile) ". "
-                @if defects > 0 {
-                    a.alarm href="#defects" { "Forms that must hold break in " (plural(defects, "result")) "." }
-                } @else {
-                    "Every stable form holds: no value that is not finite, T in [0, 1], no rise beyond documented ringing."
-                }
+        p {
+            (plural(sweep.cases.len(), "extreme")) ", " (plural(rows, "result")) ", profile " (sweep.profile) ". "
+            @if defects > 0 {
+                a.alarm href="#defects" { "Forms that must hold break in " (plural(defects, "result")) "." }
+            } @else {
+                "Every stable form holds: no value that is not finite, T in [0, 1], no rise beyond documented ringing."
             }
-            table.small {
-                thead { tr {
-                    th scope="col" { "Oracle's verdicts" }
-                    @for name in ["ok", "rings", "breaks", "refused"] { th.n scope="col" { (name) } }
-                } }
-                tbody { @for (form, name) in [("stable", "stable form"), ("published", "published form"), ("-", "one form only")] {
-                    tr {
-                        th scope="row" { (name) }
-                        @for verdict in [Verdict::Ok, Verdict::Rings, Verdict::Breaks, Verdict::Refused] {
-                            td.n { (of(form, verdict)) }
-                        }
+        }
+        table.small {
+            thead { tr {
+                th scope="col" { "Oracle's verdicts" }
+                @for name in ["ok", "rings", "breaks", "refused"] { th.n scope="col" { (name) } }
+            } }
+            tbody { @for (form, name) in [("stable", "stable form"), ("published", "published form"), ("-", "one form only")] {
+                tr {
+                    th scope="row" { (name) }
+                    @for verdict in [Verdict::Ok, Verdict::Rings, Verdict::Breaks, Verdict::Refused] {
+                        td.n { (of(form, verdict)) }
                     }
-                } }
-            }
-            nav {
-                @for (anchor, text) in [
-                    ("thresholds", "Thresholds"), ("oracle", "Oracle"), ("device", "Device"), ("curves", "Curves"),
-                    ("environment", "Environment"), ("definitions", "Definitions"),
-                ] { a href={ "#" (anchor) } { (text) } }
-            }
+                }
+            } }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Thresholds, defects, refusals, environment, definitions.
 
 use super::super::format::{NONE, number};
-use super::super::page::parts::plural;
+use super::super::shell::parts::{self, plural};
 use super::device;
 use super::heat::label;
 use crate::stability::{Found, SEARCHED, Sweep, Threshold};
@@ -33,7 +33,27 @@ pub fn defects(sweep: &Sweep) -> Markup {
 
 /// Predicted, measured, and what the device did.
 pub fn thresholds(sweep: &Sweep) -> Markup {
-    let heads = ["Form", "What happens", "Parameter", "Storage", "Denormals"];
+    let head = html! {
+        @for name in ["Form", "What happens", "Parameter", "Storage", "Denormals"] { th scope="col" { (name) } }
+        @for name in ["predicted", "oracle", "device"] { th.n scope="col" { (name) } }
+        th scope="col" { "Because" }
+    };
+    let body = html! {
+        @for (i, t) in sweep.thresholds.iter().enumerate() {
+            @let new = i > 0 && sweep.thresholds[i - 1].form != t.form;
+            tr.divided[new] {
+                th.whole scope="row" { (t.form) }
+                td.reason { (t.what) }
+                td.whole { (t.parameter) }
+                td { (t.storage) }
+                td { (t.flush.map_or("–", |flush| if flush { "flushed" } else { "kept" })) }
+                td.n { (at(t.predicted, t)) }
+                td.n { (at(t.measured, t)) }
+                td.n { (found(t)) }
+                td.long { (t.source) }
+            }
+        }
+    };
     html! {
         section #thresholds {
             h2 { "Where the published forms end" }
@@ -42,30 +62,7 @@ pub fn thresholds(sweep: &Sweep) -> Markup {
                 "oracle emulates them. The device ran the same search over small pictures: WGSL lets it treat what is not "
                 "finite as it likes, and its f16 stores may cut off instead of rounding to infinity."
             }
-            figure.table {
-                figcaption { span.where { "Device: " (device(sweep)) } }
-                div.scroll tabindex="0" { table.limits {
-                    thead { tr {
-                        @for name in heads { th scope="col" { (name) } }
-                        @for name in ["predicted", "oracle", "device"] { th.n scope="col" { (name) } }
-                        th scope="col" { "Because" }
-                    } }
-                    tbody { @for (i, t) in sweep.thresholds.iter().enumerate() {
-                        @let new = i > 0 && sweep.thresholds[i - 1].form != t.form;
-                        tr.divided[new] {
-                            th.whole scope="row" { (t.form) }
-                            td.reason { (t.what) }
-                            td.whole { (t.parameter) }
-                            td { (t.storage) }
-                            td { (t.flush.map_or("–", |flush| if flush { "flushed" } else { "kept" })) }
-                            td.n { (at(t.predicted, t)) }
-                            td.n { (at(t.measured, t)) }
-                            td.n { (found(t)) }
-                            td.long { (t.source) }
-                        }
-                    } }
-                } }
-            }
+            (parts::table(format!("Device: {}", device(sweep)), "", "limits", head, body))
         }
     }
 }
@@ -172,11 +169,6 @@ const DEFINITIONS: [(&str, &str); 9] = [
 
 /// What each number means.
 pub fn definitions() -> Markup {
-    html! {
-        section #definitions {
-            h2 { "Definitions" }
-            dl.pairs { @for (name, meaning) in DEFINITIONS { dt { (name) } dd { (meaning) } } }
-            p { "Never: not up to " (number(SEARCHED)) "." }
-        }
-    }
+    let never = html! { p { "Never: not up to " (number(SEARCHED)) "." } };
+    parts::definitions(&DEFINITIONS, never)
 }

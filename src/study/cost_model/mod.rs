@@ -1,7 +1,7 @@
 //! What a sample costs: counted samples against measured times.
 //!
-//! The thesis's model (eqs. 3.1–3.5) has one price: t = c·N, N = N_view·N_light + N_map, where N_view·N_light are the
-//! light samples of a secondary march, or the look-ups in a map. The model of a method has a price for each kind:
+//! The simplest model has one price: t = c·N, N = N_light + N_look + N_map: the light samples of a secondary march, or the
+//! look-ups in a map, and the samples that make the map. The model of a method has a price for each kind:
 //! t = c_view·n_view + c_light·n_light + c_look·n_look + c_map·n_map, c ≥ 0, by least squares of relative errors.
 //!
 //! Where samples and look-ups grow together, a method's own prices cannot be told from each other. Hence a third model, of
@@ -42,8 +42,8 @@ pub struct Cost {
     pub total_ms: f64,
     /// Largest |deviation| of the repeats over the median.
     pub spread: f64,
-    /// By the thesis's model, ms.
-    pub thesis_ms: f64,
+    /// By the model of one price, ms.
+    pub one_price_ms: f64,
     /// By the method's own model, ms; `None` where it has too few cells.
     pub own_ms: Option<f64>,
     /// Share of cloud pixels.
@@ -67,10 +67,10 @@ pub struct MethodCost {
     pub worst: f64,
     /// Median of the absolute relative errors.
     pub typical: f64,
-    /// The same two numbers of the thesis's model on this method.
-    pub thesis_worst: f64,
-    /// Median of the thesis's absolute relative errors.
-    pub thesis_typical: f64,
+    /// The same two numbers of the model of one price on this method.
+    pub one_price_worst: f64,
+    /// Median of its absolute relative errors.
+    pub one_price_typical: f64,
     /// Why a model is wrong by more than 20 %, sentences.
     pub why: Vec<String>,
 }
@@ -91,10 +91,10 @@ pub struct SharedCost {
 /// The models on one adapter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CostModel {
-    /// Nanoseconds a sample in the thesis's model.
-    pub thesis_ns: f64,
+    /// Nanoseconds a sample in the model of one price.
+    pub one_price_ns: f64,
     /// Share of the variance that it explains.
-    pub thesis_r2: f64,
+    pub one_price_r2: f64,
     /// Prices that the methods share.
     pub shared: SharedCost,
     /// One entry a method.
@@ -133,7 +133,7 @@ fn cost(
         counts: counts.map(|n| n as f64),
         total_ms: time.median - rebuilt_ms,
         spread: (time.p95 - time.median).max(time.median - time.min) / time.median,
-        thesis_ms: 0.0,
+        one_price_ms: 0.0,
         own_ms: None,
         cloud: numbers.cloud_pixel_fraction,
         map_bytes: numbers.memory.map_bytes as f64,
@@ -142,7 +142,7 @@ fn cost(
     (repeated && cost.total_ms > 0.0 && work(&cost) > 0.0).then_some(cost)
 }
 
-/// N of eq. 3.5.
+/// What the model of one price counts.
 fn work(cost: &Cost) -> f64 {
     let [_, light, look_ups, map] = cost.counts;
     light + look_ups + map
@@ -155,7 +155,9 @@ pub fn model(mut cells: Vec<Cost>) -> Option<CostModel> {
     }
     let rows: Vec<Vec<f64>> = cells.iter().map(|c| vec![work(c) / c.total_ms]).collect();
     let price = non_negative(&rows, &vec![1.0; rows.len()])[0];
-    cells.iter_mut().for_each(|c| c.thesis_ms = price * work(c));
+    cells
+        .iter_mut()
+        .for_each(|c| c.one_price_ms = price * work(c));
     let mut prices = BTreeMap::new();
     for method in methods(&cells) {
         let own: Vec<&Cost> = cells.iter().filter(|c| c.method == method).collect();
@@ -170,14 +172,14 @@ pub fn model(mut cells: Vec<Cost>) -> Option<CostModel> {
         let own = prices.get(&cell.method);
         cell.own_ms = own.map(|p| p.iter().zip(cell.counts).map(|(p, n)| p * n).sum());
     }
-    let thesis_r2 = r2(cells.iter().map(|c| (c.total_ms, c.thesis_ms)));
+    let one_price_r2 = r2(cells.iter().map(|c| (c.total_ms, c.one_price_ms)));
     let methods = prices
         .iter()
         .map(|(method, prices)| method_cost(&cells, method, prices, price))
         .collect();
     Some(CostModel {
-        thesis_ns: 1e6 * price,
-        thesis_r2,
+        one_price_ns: 1e6 * price,
+        one_price_r2,
         shared: shared(&cells),
         methods,
         cells,
@@ -227,12 +229,12 @@ fn methods(cells: &[Cost]) -> Vec<String> {
     names
 }
 
-fn method_cost(cells: &[Cost], method: &str, prices: &[f64], thesis: f64) -> MethodCost {
+fn method_cost(cells: &[Cost], method: &str, prices: &[f64], one_price: f64) -> MethodCost {
     let own: Vec<&Cost> = cells.iter().filter(|c| c.method == method).collect();
     let error = |c: &&Cost| c.own_ms.unwrap_or(0.0) / c.total_ms - 1.0;
-    let thesis_error = |c: &&Cost| c.thesis_ms / c.total_ms - 1.0;
+    let one_price_error = |c: &&Cost| c.one_price_ms / c.total_ms - 1.0;
     let errors: Vec<f64> = own.iter().map(error).collect();
-    let thesis_errors: Vec<f64> = own.iter().map(thesis_error).collect();
+    let one_price_errors: Vec<f64> = own.iter().map(one_price_error).collect();
     let mut prices_ns = [0.0; 4];
     prices_ns
         .iter_mut()
@@ -245,11 +247,11 @@ fn method_cost(cells: &[Cost], method: &str, prices: &[f64], thesis: f64) -> Met
         r2: r2(own.iter().map(|c| (c.total_ms, c.own_ms.unwrap_or(0.0)))),
         worst: worst(&errors),
         typical: typical(&errors),
-        thesis_worst: worst(&thesis_errors),
-        thesis_typical: typical(&thesis_errors),
+        one_price_worst: worst(&one_price_errors),
+        one_price_typical: typical(&one_price_errors),
         why: Vec::new(),
     };
-    cost.why = reasons::why(&cost, &own, &errors, 1e6 * thesis);
+    cost.why = reasons::why(&cost, &own, &errors, 1e6 * one_price);
     cost
 }
 
@@ -284,7 +286,7 @@ mod tests {
             counts,
             total_ms,
             spread: 0.01,
-            thesis_ms: 0.0,
+            one_price_ms: 0.0,
             own_ms: None,
             cloud: 0.5,
             map_bytes: 0.0,
@@ -335,9 +337,9 @@ mod tests {
             assert!((found - wanted).abs() < 1e-6, "{found} {wanted}");
         }
         assert!(shared.r2 > 0.999_999 && shared.look_ups_ns.len() == 1);
-        assert!(model.thesis_r2 < 0.999, "one price does not fit both");
+        assert!(model.one_price_r2 < 0.999, "one price does not fit both");
         let esm = model.methods.iter().find(|m| m.method == "esm").unwrap();
-        assert!(esm.worst.abs() < 1e-9 && esm.thesis_worst.abs() > LARGE);
+        assert!(esm.worst.abs() < 1e-9 && esm.one_price_worst.abs() > LARGE);
         assert_eq!(esm.why.len(), 1, "{:?}", esm.why);
     }
 
@@ -350,7 +352,7 @@ mod tests {
             })
             .collect();
         let model = model(cells).unwrap();
-        assert!((model.thesis_ns - 4.0).abs() < 1e-9 && model.thesis_r2 > 0.999_999);
+        assert!((model.one_price_ns - 4.0).abs() < 1e-9 && model.one_price_r2 > 0.999_999);
         assert!(model.methods[0].why.is_empty());
     }
 

@@ -8,10 +8,10 @@ pub(super) fn why(
     cost: &MethodCost,
     cells: &[&Cost],
     errors: &[f64],
-    thesis_ns: f64,
+    one_price_ns: f64,
 ) -> Vec<String> {
     let mut why = Vec::new();
-    if cost.thesis_worst.abs() > LARGE {
+    if cost.one_price_worst.abs() > LARGE {
         let paid: Vec<String> = COUNTS
             .iter()
             .zip(cost.prices_ns)
@@ -23,8 +23,8 @@ pub(super) fn why(
         why.push(format!(
             "One price is off by up to {}: it counts {} ns for everything where {} takes {}, and leaves out the samples of \
              the view march, {} for each one counted.",
-            signed_percent(cost.thesis_worst),
-            number(thesis_ns),
+            signed_percent(cost.one_price_worst),
+            number(one_price_ns),
             cost.method,
             paid.join(", "),
             number(view / counted)

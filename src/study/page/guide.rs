@@ -1,26 +1,31 @@
 //! `guide.html`: which method when.
 
 use super::super::Outcome;
-use super::cell_links;
+use super::{KICKER, cell_links};
 use crate::config::Study;
-use maud::{Markup, html};
+use crate::report::shell::{Header, Link, Page};
+use maud::html;
 
-/// The page's body.
-pub fn body(study: &Study, outcome: &Outcome) -> Markup {
-    html! {
-        header {
-            p.kicker { "occlab · a study done again" }
-            h1 { "Which method when?" }
-            p.adapter { "Holds for " strong { (outcome.adapter) } ", profile " (outcome.profile) }
-            p { (study.about) }
-            p.note {
-                "Every sentence is made of the records and links to its cells. Sentences about time hold for this adapter alone; those "
-                "about errors and memory hold for these scenes and settings on any adapter, but for rounding. “Not told apart” "
-                "means that the repeats overlap."
-            }
-            nav { a href="./index.html" { "The study" } }
-        }
-        main {
+/// The page.
+pub fn page<'a>(title: &'a str, study: &Study, outcome: &Outcome) -> Page<'a> {
+    Page {
+        title,
+        style: include_str!("style.css"),
+        header: Header {
+            kicker: KICKER,
+            heading: "Which method when?",
+            adapter: html! { "Holds for " strong { (outcome.adapter) } ", profile " (outcome.profile) },
+            summary: html! {
+                p { (study.about) }
+                p.note {
+                    "Every sentence is made of the records and links to its cells. Sentences about time hold for this adapter alone; those "
+                    "about errors and memory hold for these scenes and settings on any adapter, but for rounding. “Not told apart” "
+                    "means that the repeats overlap."
+                }
+            },
+            links: vec![Link::Page("./index.html", html! { "The study" })],
+        },
+        main: html! {
             @for answer in &outcome.guide {
                 section {
                     h2 { (answer.title) }
@@ -29,6 +34,7 @@ pub fn body(study: &Study, outcome: &Outcome) -> Markup {
                 }
             }
             @if outcome.guide.is_empty() { p { "The study asks no questions." } }
-        }
+        },
+        script: "",
     }
 }

@@ -12,11 +12,14 @@ use super::{EXPERIMENTS, Outcome};
 use crate::config::Study;
 use crate::error::Result;
 use crate::report::files;
-use crate::report::format::{number, shorten, signed_percent};
-use crate::report::page::figures::fluid;
-use crate::report::page::parts::plural;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use crate::report::format::{number, signed_percent};
+use crate::report::shell::parts::{self, plural};
+use crate::report::shell::{Header, Link, Page, page};
+use maud::{Markup, html};
 use std::path::{Path, PathBuf};
+
+/// What kind of page these are.
+const KICKER: &str = "occlab · a study done again";
 
 /// Writes both pages; returns the path of the first.
 pub fn write(
@@ -26,49 +29,58 @@ pub fn write(
     outcome: &Outcome,
     figures: &[Figure],
 ) -> Result<PathBuf> {
-    let guide = frame(
-        &format!("Which method when · {}", study.title),
-        &guide::body(study, outcome),
-    );
-    files::write(&folder.join("guide.html"), guide.into_string().as_bytes())?;
-    let body = html! {
-        (headline(study, outcome))
-        main {
+    let title = format!("Which method when · {}", study.title);
+    let guide = page(&guide::page(&title, study, outcome));
+    files::write(&folder.join("guide.html"), guide.as_bytes())?;
+    let index = page(&Page {
+        title: &study.title,
+        style: include_str!("style.css"),
+        header: Header {
+            kicker: KICKER,
+            heading: &study.title,
+            adapter: html! { "Measured on " strong { (outcome.adapter) } },
+            summary: summary(study, outcome),
+            links: links(),
+        },
+        main: html! {
             (tables::claims(outcome))
             (charts(figures))
             (published::section(outcome))
             (pictures::section(folder, study, records))
             (tables::errata(outcome))
-            (tables::cost_model(outcome, figures))
+            (tables::cost_model(study, outcome, figures))
             (tables::evidence(outcome))
             (experiments(study, records))
             (tables::definitions())
-        }
-    };
-    let page = folder.join("index.html");
-    files::write(&page, frame(&study.title, &body).into_string().as_bytes())?;
-    Ok(page)
+        },
+        script: "",
+    });
+    let path = folder.join("index.html");
+    files::write(&path, index.as_bytes())?;
+    Ok(path)
 }
 
-fn frame(title: &str, body: &Markup) -> Markup {
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (shorten(title, 80)) " · occlab" }
-                style {
-                    (PreEscaped(include_str!("../../report/page/style.css")))
-                    (PreEscaped(include_str!("style.css")))
-                }
-            }
-            body { (body) }
-        }
-    }
+fn links() -> Vec<Link<'static>> {
+    let guide = html! { strong { "Which method when?" } };
+    let sections = [
+        ("claims", "Claims"),
+        ("charts", "Charts"),
+        ("tables", "Tables"),
+        ("pictures", "Pictures"),
+        ("errata", "Errata"),
+        ("cost", "Cost model"),
+        ("evidence", "Evidence"),
+        ("experiments", "Experiments"),
+        ("definitions", "Definitions"),
+    ];
+    let sections = sections.map(|(id, words)| Link::Section(id, words));
+    [Link::Page("./guide.html", guide)]
+        .into_iter()
+        .chain(sections)
+        .collect()
 }
 
-fn headline(study: &Study, outcome: &Outcome) -> Markup {
+fn summary(study: &Study, outcome: &Outcome) -> Markup {
     let count = |verdict| {
         outcome
             .claims
@@ -77,35 +89,20 @@ fn headline(study: &Study, outcome: &Outcome) -> Markup {
             .count()
     };
     html! {
-        header {
-            p.kicker { "occlab · a study done again" }
-            h1 { (study.title) }
-            p.adapter { "Measured on " strong { (outcome.adapter) } }
-            p { "Source: " (study.source) }
-            p { "Profile " strong { (outcome.profile) } ": " (study.about) }
-            p {
-                (plural(outcome.cells, "cell")) " in " (plural(study.experiments.len(), "experiment")) ", "
-                (number(outcome.wall_s)) " s. "
-                @if outcome.failed > 0 { span.alarm { (plural(outcome.failed, "cell")) " failed; what needs them is not decidable here." } }
-                @else { "No cell failed." }
-            }
-            p.tally {
-                @for (verdict, words) in [(Verdict::Holds, "hold"), (Verdict::Fails, "do not hold"), (Verdict::Undecidable, "not decidable here")] {
-                    span class=(class(verdict)) { (count(verdict)) " " (words) }
-                }
-            }
-            p.note {
-                "Verdicts and times are those of this adapter. The source measured a graphics processor; its points are drawn as "
-                "ratios to its own secondary march of 10 steps, and so are ours."
-            }
-            nav {
-                a href="./guide.html" { strong { "Which method when?" } }
-                @for (anchor, text) in [
-                    ("claims", "Claims"), ("charts", "Charts"), ("tables", "Tables"), ("pictures", "Pictures"), ("errata", "Errata"),
-                    ("cost", "Cost model"), ("evidence", "Evidence"), ("experiments", "Experiments"), ("definitions", "Definitions"),
-                ] { a href={ "#" (anchor) } { (text) } }
+        p { "Source: " (study.source) }
+        p { "Profile " strong { (outcome.profile) } ": " (study.about) }
+        p {
+            (plural(outcome.cells, "cell")) " in " (plural(study.experiments.len(), "experiment")) ", "
+            (number(outcome.wall_s)) " s. "
+            @if outcome.failed > 0 { span.alarm { (plural(outcome.failed, "cell")) " failed; what needs them is not decidable here." } }
+            @else { "No cell failed." }
+        }
+        p.tally {
+            @for (verdict, words) in [(Verdict::Holds, "hold"), (Verdict::Fails, "do not hold"), (Verdict::Undecidable, "not decidable here")] {
+                span class=(class(verdict)) { (count(verdict)) " " (words) }
             }
         }
+        p.note { "Verdicts and times are those of this adapter. " (study.note) }
     }
 }
 
@@ -159,7 +156,7 @@ fn charts(figures: &[Figure]) -> Markup {
                 "Each stands for a figure or table of the source. Filled markers are measured here, bars are the ranges that hold the "
                 "true median of the repeats; hollow markers are values that the source's text gives."
             }
-            (grid(figures.iter().filter(|f| !f.file.starts_with("cost-"))))
+            (grid(figures.iter().filter(|figure| !figure.of_costs)))
         }
     }
 }
@@ -170,9 +167,7 @@ fn grid<'a>(figures: impl Iterator<Item = &'a Figure>) -> Markup {
             @for figure in figures {
                 figure.chart {
                     @if figure.svg.is_empty() { p.notice { (figure.title) ": nothing to draw." } }
-                    @else {
-                        div.scroll tabindex="0" role="img" aria-label=(figure.title) { (PreEscaped(fluid(&figure.svg))) }
-                    }
+                    @else { (parts::picture(&figure.title, &figure.svg)) }
                     @for reason in &figure.missing { p.notice { "Missing: " (reason) "." } }
                     figcaption {
                         (figure.figure) " · " a href={ "./charts/" (figure.file) } { (figure.file) }

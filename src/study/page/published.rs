@@ -4,6 +4,7 @@ use super::super::Outcome;
 use super::super::table::{Entry, Table};
 use super::cell_links;
 use crate::report::format::{bytes, number};
+use crate::report::shell::parts;
 use maud::{Markup, html};
 
 /// The section; nothing where the study names no table.
@@ -37,39 +38,34 @@ fn fields(table: &Table, column: usize) -> Vec<&'static str> {
 
 fn one(table: &Table, outcome: &Outcome) -> Markup {
     let columns: Vec<Vec<&str>> = (0..table.metrics.len()).map(|i| fields(table, i)).collect();
-    html! {
-        figure.table {
-            figcaption {
-                (table.figure) " · " (table.title) ". " (table.note) " "
-                @if let Some(unit) = &table.relative_to { "÷: over the total of " (unit) " in the same picture. " }
-                span.where { "Adapter: " (outcome.adapter) }
+    let caption = html! {
+        (table.figure) " · " (table.title) ". " (table.note)
+        @if let Some(unit) = &table.relative_to { " ÷: over the total of " (unit) " in the same picture." }
+    };
+    let head = html! {
+        tr {
+            th scope="col" rowspan="2" { "Setting" }
+            @for ((_, title), fields) in table.metrics.iter().zip(&columns) {
+                th.n scope="colgroup" colspan=(fields.len()) { (title) }
             }
-            div.scroll tabindex="0" { table.small {
-                thead {
-                    tr {
-                        th scope="col" rowspan="2" { "Setting" }
-                        @for ((_, title), fields) in table.metrics.iter().zip(&columns) {
-                            th.n scope="colgroup" colspan=(fields.len()) { (title) }
-                        }
-                        th scope="col" rowspan="2" { "Cell" }
-                    }
-                    tr { @for name in columns.iter().flatten() { th.n scope="col" { (name) } } }
-                }
-                tbody { @for row in &table.rows {
-                    tr {
-                        th scope="row" { (row.label) }
-                        @for ((entry, (metric, _)), fields) in row.entries.iter().zip(&table.metrics).zip(&columns) {
-                            @for field in fields { td.n { (text(entry, metric, field)) } }
-                        }
-                        td.whole {
-                            @if let Some(cell) = &row.cell { (cell_links(std::slice::from_ref(cell))) }
-                            @for reason in &row.missing { " " span.na { (reason) } }
-                        }
-                    }
-                } }
-            } }
+            th scope="col" rowspan="2" { "Cell" }
         }
-    }
+        tr { @for name in columns.iter().flatten() { th.n scope="col" { (name) } } }
+    };
+    let body = html! { @for row in &table.rows {
+        tr {
+            th scope="row" { (row.label) }
+            @for ((entry, (metric, _)), fields) in row.entries.iter().zip(&table.metrics).zip(&columns) {
+                @for field in fields { td.n { (text(entry, metric, field)) } }
+            }
+            td.whole {
+                @if let Some(cell) = &row.cell { (cell_links(std::slice::from_ref(cell))) }
+                @for reason in &row.missing { " " span.na { (reason) } }
+            }
+        }
+    } };
+    let source = format!("Adapter: {}", outcome.adapter);
+    parts::table_of(source, caption, "small", head, body)
 }
 
 fn text(entry: &Entry, metric: &str, field: &str) -> String {

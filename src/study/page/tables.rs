@@ -5,29 +5,29 @@ use super::super::charts::Figure;
 use super::super::claims::Claim;
 use super::super::cost_model::{COUNTS, SharedCost};
 use super::{cell_links, class, grid};
+use crate::config::Study;
 use crate::report::format::{number, percent, signed_percent};
-use crate::report::page::parts;
+use crate::report::shell::parts;
 use maud::{Markup, html};
 
 /// One row a claim.
 pub fn claims(outcome: &Outcome) -> Markup {
+    let names = ["Claim", "Published", "Verdict here", "Because"];
+    let head = html! { @for name in names { th scope="col" { (name) } } };
+    let body = html! { @for claim in &outcome.claims {
+        tr {
+            th scope="row" { a href={ "#claim-" (claim.id) } { (claim.id) } }
+            td.claim data-label="Published" { (claim.says) " " span.unit { (claim.place) } }
+            td data-label="Verdict" { span class=(class(claim.verdict)) { (claim.verdict.words()) } }
+            td.claim data-label="Because" { (claim.because) }
+        }
+    } };
+    let caption = "One row a claim; its id leads to its parts and their numbers.";
+    let source = format!("Adapter: {}", outcome.adapter);
     html! {
         section #claims {
             h2 { "Claims put to the test" }
-            figure.table {
-                figcaption { "One row a claim; its id leads to its parts and their numbers. " span.where { "Adapter: " (outcome.adapter) } }
-                div.scroll tabindex="0" { table.verdicts {
-                    thead { tr { @for name in ["Claim", "Published", "Verdict here", "Because"] { th scope="col" { (name) } } } }
-                    tbody { @for claim in &outcome.claims {
-                        tr {
-                            th scope="row" { a href={ "#claim-" (claim.id) } { (claim.id) } }
-                            td.claim data-label="Published" { (claim.says) " " span.unit { (claim.place) } }
-                            td data-label="Verdict" { span class=(class(claim.verdict)) { (claim.verdict.words()) } }
-                            td.claim data-label="Because" { (claim.because) }
-                        }
-                    } }
-                } }
-            }
+            (parts::table(source, caption, "verdicts stacked", head, body))
         }
     }
 }
@@ -71,7 +71,7 @@ pub fn errata(outcome: &Outcome) -> Markup {
             p { "Each misprint with the number that shows it; nothing else differs. Errors of two cells are relative to one truth; "
                 "a misprint of the view march changes the truth itself." }
             @if outcome.errata.is_empty() { p { "The study lists none." } }
-            @else { div.scroll tabindex="0" { table.verdicts {
+            @else { div.scroll tabindex="0" { table.verdicts.stacked {
                 thead { tr { @for name in ["Where", "Printed", "Meant", "Measured here"] { th scope="col" { (name) } } } }
                 tbody { @for shown in &outcome.errata {
                     tr {
@@ -87,7 +87,7 @@ pub fn errata(outcome: &Outcome) -> Markup {
 }
 
 /// Prices, how well they fit, and where they do not.
-pub fn cost_model(outcome: &Outcome, figures: &[Figure]) -> Markup {
+pub fn cost_model(study: &Study, outcome: &Outcome, figures: &[Figure]) -> Markup {
     let Some(model) = &outcome.cost_model else {
         return html! { section #cost { h2 { "Cost model" } p.notice { "No cell has a time, so nothing is fitted." } } };
     };
@@ -95,9 +95,9 @@ pub fn cost_model(outcome: &Outcome, figures: &[Figure]) -> Markup {
         section #cost {
             h2 { "Cost model" }
             p {
-                "The source counts N = N_view·N_light + N_map samples and takes time for proportional to them. Counted by the "
-                "shaders of all " (model.cells.len()) " cells and fitted to their times, one price gives "
-                strong { (number(model.thesis_ns)) " ns a sample" } ", R² = " strong { (format!("{:.3}", model.thesis_r2)) } ". "
+                @if !study.cost_model.says.is_empty() { (study.cost_model.says) " " }
+                "Counted by the shaders of all " (model.cells.len()) " cells and fitted to their times, one price gives "
+                strong { (number(model.one_price_ns)) " ns a sample" } ", R² = " strong { (format!("{:.3}", model.one_price_r2)) } ". "
                 "A price for each kind of sample, fitted to each method, gives the table."
             }
             (shared(&model.shared))
@@ -105,7 +105,7 @@ pub fn cost_model(outcome: &Outcome, figures: &[Figure]) -> Markup {
             @for method in &model.methods { @if !method.why.is_empty() {
                 p { (parts::method(&method.method)) " " (method.why.join(" ")) }
             } }
-            (grid(figures.iter().filter(|f| f.file.starts_with("cost-"))))
+            (grid(figures.iter().filter(|figure| figure.of_costs)))
         }
     }
 }
@@ -127,33 +127,34 @@ fn shared(cost: &SharedCost) -> Markup {
 
 fn prices(outcome: &Outcome) -> Markup {
     let methods = outcome.cost_model.iter().flat_map(|m| &m.methods);
-    html! {
-        figure.table {
-            figcaption {
-                "Non-negative least squares of relative errors. 0: the fit gives that count no price of its own, mostly because it "
-                "grows together with another. " span.where { "Adapter: " (outcome.adapter) ", clock: " (outcome.clock) }
-            }
-            div.scroll tabindex="0" { table.small {
-                thead { tr {
-                    th scope="col" { "Method" } th.n scope="col" { "Cells" }
-                    @for name in COUNTS { th.n scope="col" { "ns a " (name) } }
-                    @for name in ["R²", "typical error", "worst", "one price: typical", "worst"] { th.n scope="col" { (name) } }
-                } }
-                tbody { @for m in methods {
-                    tr {
-                        td { (parts::method(&m.method)) }
-                        td.n { (m.cells) }
-                        @for ns in m.prices_ns { td.n { (number(ns)) } }
-                        td.n { (format!("{:.3}", m.r2)) }
-                        td.n { (percent(m.typical)) }
-                        td.n { (signed_percent(m.worst)) }
-                        td.n { (percent(m.thesis_typical)) }
-                        td.n { (signed_percent(m.thesis_worst)) }
-                    }
-                } }
-            } }
+    let last = [
+        "R²",
+        "typical error",
+        "worst",
+        "one price: typical",
+        "worst",
+    ];
+    let head = html! {
+        th scope="col" { "Method" } th.n scope="col" { "Cells" }
+        @for name in COUNTS { th.n scope="col" { "ns a " (name) } }
+        @for name in last { th.n scope="col" { (name) } }
+    };
+    let body = html! { @for m in methods {
+        tr {
+            td { (parts::method(&m.method)) }
+            td.n { (m.cells) }
+            @for ns in m.prices_ns { td.n { (number(ns)) } }
+            td.n { (format!("{:.3}", m.r2)) }
+            td.n { (percent(m.typical)) }
+            td.n { (signed_percent(m.worst)) }
+            td.n { (percent(m.one_price_typical)) }
+            td.n { (signed_percent(m.one_price_worst)) }
         }
-    }
+    } };
+    let caption = "Non-negative least squares of relative errors. 0: the fit gives that count no price of its own, mostly \
+        because it grows together with another.";
+    let source = format!("Adapter: {}, clock: {}", outcome.adapter, outcome.clock);
+    parts::table(source, caption, "small", head, body)
 }
 
 /// One line for each number of this page.
@@ -194,10 +195,5 @@ const DEFINITIONS: [(&str, &str); 8] = [
 
 /// What each number means.
 pub fn definitions() -> Markup {
-    html! {
-        section #definitions {
-            h2 { "Definitions" }
-            dl.pairs { @for (name, meaning) in DEFINITIONS { dt { (name) } dd { (meaning) } } }
-        }
-    }
+    parts::definitions(&DEFINITIONS, "")
 }

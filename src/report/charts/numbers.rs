@@ -1,0 +1,76 @@
+//! Numbers of a cell as axes of charts.
+
+use super::super::view::{Shot, View};
+use super::axis::{AxisSpec, Scale};
+
+/// A number that every cell may have.
+pub struct Number {
+    /// Its axis.
+    pub axis: fn(&View<'_>) -> AxisSpec,
+    /// The number, and its smallest and largest value over the repeats where there are several.
+    pub of: fn(&Shot<'_>) -> Option<(f64, Option<[f64; 2]>)>,
+    /// A sentence on how to read it in a scatter chart; may be empty.
+    pub note: fn(&View<'_>) -> String,
+    /// What a cell is without that has no such number.
+    pub without: &'static str,
+}
+
+/// Time of one picture by the report's clock.
+pub const TIME: Number = Number {
+    axis: |view| {
+        let clock = view.clock().name();
+        let title = format!("{clock} time of {} (ms, median, log)", view.timed());
+        AxisSpec::new(title, Scale::Log)
+    },
+    of: |shot| {
+        let time = shot.time()?;
+        Some((
+            time.median,
+            (time.min > 0.0).then_some([time.min, time.p95]),
+        ))
+    },
+    note: |view| match view.frames() {
+        "" => "Points: medians. Horizontal bars: smallest to 95th percentile.".to_owned(),
+        frames => format!("Medians. Bars: min to p95.{frames}"),
+    },
+    without: "timestamps",
+};
+
+/// Bytes of the map and of the history.
+pub const MEMORY: Number = Number {
+    axis: |view| {
+        let (title, zero) = match view.temporal() {
+            true => (
+                "textures of the map as allocated and history (bytes, log)",
+                "0 (neither)",
+            ),
+            false => (
+                "textures of the map as allocated (bytes, log)",
+                "0 (no map)",
+            ),
+        };
+        AxisSpec {
+            zero,
+            ..AxisSpec::new(title, Scale::Bytes)
+        }
+    },
+    of: |shot| Some((shot.memory_bytes() as f64, None)),
+    note: |view| {
+        let what = match view.temporal() {
+            true => "Full pictures",
+            false => "Methods",
+        };
+        format!(
+            "{what} without a map stand at 0. Circled: no other cell has both less memory and less error."
+        )
+    },
+    without: "a map",
+};
+
+/// Error against the truth.
+pub const ERROR: Number = Number {
+    axis: |_| AxisSpec::new("relative RMSE against the truth (log)", Scale::Log),
+    of: |shot| Some((shot.rel_rmse(), None)),
+    note: |_| String::new(),
+    without: "an error",
+};
