@@ -54,12 +54,20 @@ pub struct Samples {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Memory {
-    /// Values × bytes a value × texels.
+    /// Values × bytes a value × texels, and what else the view march reads.
     pub payload_bytes: u64,
-    /// The textures as allocated.
+    /// The textures and buffers as allocated.
     pub map_bytes: u64,
     /// Growth that wgpu's allocator reports; `null` where the backend does not report.
     pub allocator_bytes: Option<u64>,
+    /// Part of `map_bytes` that is needed only while the map is made; left out of a record where it is 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(skip)]
+    pub temporary_bytes: u64,
+}
+
+fn is_zero(bytes: &u64) -> bool {
+    *bytes == 0
 }
 
 #[cfg(test)]

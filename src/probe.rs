@@ -117,7 +117,7 @@ fn truth(oracle: &Oracle, column: &LightColumn, step_m: f64) -> Vec<f64> {
 
 fn curve(setup: &MethodSetup, transmittance: Vec<f64>, truth: &[f64]) -> Result<Curve> {
     let info = setup.method.info();
-    let has_map = setup.method.plan(&setup.params)?.map_values.is_some();
+    let has_map = setup.method.plan(&setup.params)?.map_values().is_some();
     let least = truth.last().copied().unwrap_or(1.0);
     let outside = |i: usize| {
         let t = transmittance[i];

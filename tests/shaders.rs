@@ -5,10 +5,11 @@ mod common;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use occlab::density::Density;
 use occlab::gpu::{
-    Defs, Leaf, Program, Scalar, Sources, UniformValue, compose, pack, struct_leaves,
+    Defs, Leaf, Program, Scalar, Sources, UniformValue, compose_point, pack, struct_leaves,
 };
 use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::param::ParamKind;
+use occlab::raymarch::map_defs;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -57,24 +58,25 @@ fn fields() -> Vec<Surroundings> {
     all
 }
 
-/// Definitions of a method as the renderer makes them; `wide` takes four channels where one would do.
+/// Definitions of a method as the renderer makes them; `wide` where the device stores no optional format.
 fn method_defs(setup: &MethodSetup, wide: bool) -> Defs {
     let plan = setup.method.plan(&setup.params).unwrap();
     let mut defs = setup.defs(&plan);
-    if let Some(values) = plan.map_values {
-        let half = setup.params.choice("storage").unwrap() == "f16";
-        let texel = match (half, values == 1 && !wide) {
-            (true, true) => "TEXEL_R16",
-            (true, false) => "TEXEL_RGBA16",
-            (false, true) => "TEXEL_R32",
-            (false, false) => "TEXEL_RGBA32",
-        };
-        defs.extend(flags(&["HAS_MAP", texel]));
-    }
+    defs.extend(map_defs(setup, &plan, !wide).unwrap());
     defs
 }
 
 fn composed(entry: &str, setup: &MethodSetup, around: &Surroundings, extra: Defs) -> naga::Module {
+    composed_point(entry, None, setup, around, extra)
+}
+
+fn composed_point(
+    entry: &str,
+    point: Option<&str>,
+    setup: &MethodSetup,
+    around: &Surroundings,
+    extra: Defs,
+) -> naga::Module {
     let mut defs = around.defs.clone();
     defs.extend(extra);
     let shader = setup.method.info().shader;
@@ -84,14 +86,12 @@ fn composed(entry: &str, setup: &MethodSetup, around: &Surroundings, extra: Defs
         ("sky", "sky/preetham.wgsl"),
         ("occlusion", shader),
     ];
-    let module = compose(
-        &Sources::embedded(),
-        &Program {
-            entry,
-            roles,
-            defs: defs.clone(),
-        },
-    );
+    let program = Program {
+        entry,
+        roles,
+        defs: defs.clone(),
+    };
+    let module = compose_point(&Sources::embedded(), &program, point);
     let module = module.unwrap_or_else(|e| {
         panic!(
             "{entry} of {shader} in {}, {} with {defs:?}:\n{e}",
@@ -112,6 +112,15 @@ fn compose_all(setup: &MethodSetup, around: &Surroundings, extra: &Defs, wide: b
         if entry == "raymarch.wgsl" || defs.contains_key("HAS_MAP") {
             composed(entry, setup, around, defs.clone());
         }
+    }
+    let plan = setup.method.plan(&setup.params).unwrap();
+    let own = plan
+        .map
+        .iter()
+        .flat_map(|map| map.before.iter().chain(&map.after));
+    for pass in own {
+        let shader = setup.method.info().shader;
+        composed_point(shader, Some(pass.entry), setup, around, defs.clone());
     }
 }
 

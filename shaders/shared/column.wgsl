@@ -8,18 +8,29 @@
 #import layer::{LayerRay, layer_length, point_at}
 #import medium::{extinction}
 
+@group(2) @binding(4) var map_store: texture_storage_2d_array<
 #ifdef TEXEL_R16
-@group(2) @binding(4) var map_store: texture_storage_2d_array<r16float, write>;
+    r16float,
+#else ifdef TEXEL_R32
+    r32float,
+#else ifdef TEXEL_RGBA32
+    rgba32float,
+#else ifdef TEXEL_R8UNORM
+    r8unorm,
+#else ifdef TEXEL_RG8UNORM
+    rg8unorm,
+#else ifdef TEXEL_RGBA8UNORM
+    rgba8unorm,
+#else ifdef TEXEL_R16UNORM
+    r16unorm,
+#else ifdef TEXEL_RG16UNORM
+    rg16unorm,
+#else ifdef TEXEL_RGBA16UNORM
+    rgba16unorm,
+#else
+    rgba16float,
 #endif
-#ifdef TEXEL_R32
-@group(2) @binding(4) var map_store: texture_storage_2d_array<r32float, write>;
-#endif
-#ifdef TEXEL_RGBA16
-@group(2) @binding(4) var map_store: texture_storage_2d_array<rgba16float, write>;
-#endif
-#ifdef TEXEL_RGBA32
-@group(2) @binding(4) var map_store: texture_storage_2d_array<rgba32float, write>;
-#endif
+    write>;
 
 struct Column {
     texel: vec2u,
@@ -56,5 +67,10 @@ fn sample_extinction(column: Column, k: u32) -> f32 {
 }
 
 fn store(column: Column, layer: u32, values: vec4f) {
-    textureStore(map_store, column.texel, layer, values);
+    store_texel(column.texel, layer, values);
+}
+
+// For passes that come after the columns.
+fn store_texel(texel: vec2u, layer: u32, values: vec4f) {
+    textureStore(map_store, texel, layer, values);
 }

@@ -1,6 +1,7 @@
 // Light transmittance from a map: geometry, look-up rule and fallback; the method supplies `transmittance(tap, depth)`.
 //
 //   V(p) = transmittance(texel at p, d(p)/depth_m)
+//   MAP_VOLUME: V(p) = transmittance_at((u, v) of p, d(p)/depth_m): the sampler interpolates
 //   blend:  T at the four nearest texels, then bilinear in T (Reeves et al. 1987, percentage-closer filtering)
 //
 // Outside the rectangle: secondary march with 6 quadratic steps, counted. depth_m = 0: V = 1.
@@ -10,7 +11,11 @@
 #import medium
 #import medium::sun_ray
 #import secondary::quadratic_march
+#ifdef MAP_VOLUME
+#import occlusion::transmittance_at
+#else
 #import occlusion::transmittance
+#endif
 
 const FALLBACK_STEPS: u32 = 6u;
 
@@ -29,13 +34,16 @@ fn light_transmittance(p: vec3f, rnd: f32) -> f32 {
         return 1.0;
     }
     let depth = layer_length(sun_ray(p)) / map.depth_m;
-#ifdef LOOKUP_BLEND
+#ifdef MAP_VOLUME
+    return transmittance_at(uv, depth);
+#else ifdef LOOKUP_BLEND
     return blended(uv, depth);
 #else
     return transmittance(tap_at(uv), depth);
 #endif
 }
 
+#ifndef MAP_VOLUME
 fn blended(uv: vec2f, depth: f32) -> f32 {
     let position = uv * f32(map.resolution) - 0.5;
     let low = floor(position);
@@ -47,3 +55,4 @@ fn blended(uv: vec2f, depth: f32) -> f32 {
     let lower = mix(transmittance(Tap(vec2i(a.x, b.y), uv), depth), transmittance(Tap(vec2i(b.x, b.y), uv), depth), w.x);
     return mix(upper, lower, w.y);
 }
+#endif

@@ -362,7 +362,7 @@ impl<'a> Bench<'a> {
 
     /// The same cell with nothing compressed, or `None` for a method without a map.
     fn floor(&mut self, setup: &MethodSetup) -> Result<Option<f64>> {
-        if setup.method.plan(&setup.params)?.map_values.is_none() {
+        if setup.method.plan(&setup.params)?.map_values().is_none() {
             return Ok(None);
         }
         let floor = setup.uncompressed()?;

@@ -30,8 +30,8 @@ pub use texture::Filter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// From `"name" => module::Type`, with the text that the schema shows: the type of a scene's `density`, and the list of
-/// kinds. The name is that of the type in snake case, as serde writes it.
+/// Makes the type of a scene's `density` and the list of kinds from entries `"name in JSON" => module::Type`, each with the
+/// text that the schema shows.
 macro_rules! densities {
     ($($(#[doc = $doc:literal])+ $name:literal => $module:ident::$kind:ident,)+) => {
         $(pub use $module::$kind;)+

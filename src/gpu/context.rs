@@ -123,7 +123,8 @@ impl Gpu {
         let adapter = choose(&instance, wanted)?;
         let optional = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::FLOAT32_FILTERABLE
-            | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
+            | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES
+            | wgpu::Features::TEXTURE_FORMAT_16BIT_NORM;
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("occlab"),
             required_features: adapter.features() & optional,

@@ -2,13 +2,11 @@
 
 use super::context::Gpu;
 use super::lavapipe::uniforms_as_private_copies;
-use super::shader::{Program, Sources, compose};
-use super::uniform::{Leaf, UniformValue, pack, struct_leaves};
-use crate::error::{Error, Result};
-use naga::{
-    AddressSpace, GlobalVariable, Handle, ImageClass, ImageDimension, Module, StorageAccess,
-    TypeInner,
-};
+use super::reflect::{Binding, plain_name, reflect, unusable};
+use super::shader::{Program, Sources, compose_point};
+use super::uniform::{UniformValue, pack};
+use crate::error::Result;
+use naga::AddressSpace;
 use std::collections::{BTreeMap, HashMap};
 use std::time::Instant;
 
@@ -54,20 +52,13 @@ impl Inputs {
     }
 }
 
-/// One `var` with a `@group` and `@binding`.
-struct Binding {
-    name: String,
-    group: u32,
-    entry: wgpu::BindGroupLayoutEntry,
-    leaves: Vec<Leaf>,
-    size: u32,
-}
-
 /// A compiled compute entry point.
 pub struct Kernel {
     pipeline: wgpu::ComputePipeline,
     layouts: Vec<wgpu::BindGroupLayout>,
     bindings: Vec<Binding>,
+    /// Names of private variables.
+    private: Vec<String>,
     /// Threads of a workgroup.
     pub workgroup: [u32; 3],
     label: String,
@@ -76,21 +67,35 @@ pub struct Kernel {
 impl Kernel {
     /// Composes and compiles `program`; its only entry point becomes the kernel.
     pub fn new(gpu: &Gpu, program: &Program) -> Result<Self> {
-        Self::with_sources(gpu, &gpu.sources, program)
+        Self::of(gpu, &gpu.sources, program, None)
     }
 
-    /// The same from other shader texts than the device's own.
-    pub fn with_sources(gpu: &Gpu, sources: &Sources, program: &Program) -> Result<Self> {
-        Self::compile(gpu, sources, program).map_err(|e| sources.blame(e))
+    /// The same from these shaders; `point` is one of several entry points.
+    pub fn of(
+        gpu: &Gpu,
+        sources: &Sources,
+        program: &Program,
+        point: Option<&str>,
+    ) -> Result<Self> {
+        Self::compile(gpu, sources, program, point).map_err(|e| sources.blame(e))
     }
 
-    fn compile(gpu: &Gpu, sources: &Sources, program: &Program) -> Result<Self> {
+    fn compile(
+        gpu: &Gpu,
+        sources: &Sources,
+        program: &Program,
+        point: Option<&str>,
+    ) -> Result<Self> {
         let start = Instant::now();
-        let mut module = compose(sources, program)?;
+        let mut module = compose_point(sources, program, point)?;
         if gpu.info.driver == "llvmpipe" {
             uniforms_as_private_copies(&mut module);
         }
         let bindings = reflect(&module, program.entry)?;
+        let private = module.global_variables.iter();
+        let private = private.filter(|(_, v)| v.space == AddressSpace::Private);
+        let private = private.map(|(_, v)| plain_name(v.name.as_deref().unwrap_or_default()));
+        let private = private.collect();
         let entry = module
             .entry_points
             .first()
@@ -127,6 +132,7 @@ impl Kernel {
             pipeline,
             layouts,
             bindings,
+            private,
             workgroup,
             label: program.entry.to_owned(),
         })
@@ -135,6 +141,11 @@ impl Kernel {
     /// Does the kernel declare a variable of this name?
     pub fn uses(&self, name: &str) -> bool {
         self.bindings.iter().any(|b| b.name == name)
+    }
+
+    /// Does the kernel keep a private variable of this name?
+    pub fn keeps(&self, name: &str) -> bool {
+        self.private.iter().any(|n| n == name)
     }
 
     /// Member names of the uniform variable `name`.
@@ -218,13 +229,6 @@ fn binding_resource(resource: &Resource) -> wgpu::BindingResource<'_> {
     }
 }
 
-fn unusable(file: &str, message: impl Into<String>) -> Error {
-    Error::Shader {
-        file: format!("shaders/{file}"),
-        message: message.into(),
-    }
-}
-
 fn group_layouts(gpu: &Gpu, bindings: &[Binding]) -> Vec<wgpu::BindGroupLayout> {
     let mut groups: BTreeMap<u32, Vec<wgpu::BindGroupLayoutEntry>> = BTreeMap::new();
     for binding in bindings {
@@ -241,135 +245,4 @@ fn group_layouts(gpu: &Gpu, bindings: &[Binding]) -> Vec<wgpu::BindGroupLayout> 
                 })
         })
         .collect()
-}
-
-/// naga_oil decorates the names of imported items with their module.
-fn plain_name(name: &str) -> String {
-    name.split("X_naga_oil_mod_X")
-        .next()
-        .unwrap_or(name)
-        .to_owned()
-}
-
-fn reflect(module: &Module, file: &str) -> Result<Vec<Binding>> {
-    let mut validator = naga::valid::Validator::new(
-        naga::valid::ValidationFlags::all(),
-        naga::valid::Capabilities::all(),
-    );
-    let info = validator
-        .validate(module)
-        .map_err(|e| unusable(file, format!("{e:?}")))?;
-    let filtered: Vec<Handle<GlobalVariable>> = info
-        .get_entry_point(0)
-        .sampling_set
-        .iter()
-        .map(|k| k.image)
-        .collect();
-    let mut bindings = Vec::new();
-    for (handle, variable) in module.global_variables.iter() {
-        let Some(at) = &variable.binding else {
-            continue;
-        };
-        let name = plain_name(variable.name.as_deref().unwrap_or_default());
-        let ty = binding_type(module, variable, filtered.contains(&handle)).ok_or_else(|| {
-            unusable(
-                file,
-                format!("`{name}` has a kind of binding that the lab does not use"),
-            )
-        })?;
-        let size = match variable.space {
-            AddressSpace::Uniform | AddressSpace::Storage { .. } => {
-                module.types[variable.ty].inner.size(module.to_ctx())
-            }
-            _ => 0,
-        };
-        let entry = wgpu::BindGroupLayoutEntry {
-            binding: at.binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty,
-            count: None,
-        };
-        bindings.push(Binding {
-            name,
-            group: at.group,
-            entry,
-            leaves: struct_leaves(module, variable.ty),
-            size,
-        });
-    }
-    Ok(bindings)
-}
-
-fn binding_type(
-    module: &Module,
-    variable: &GlobalVariable,
-    filtered: bool,
-) -> Option<wgpu::BindingType> {
-    let buffer = |ty| wgpu::BindingType::Buffer {
-        ty,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    Some(match (variable.space, &module.types[variable.ty].inner) {
-        (AddressSpace::Uniform, _) => buffer(wgpu::BufferBindingType::Uniform),
-        (AddressSpace::Storage { access }, _) => buffer(wgpu::BufferBindingType::Storage {
-            read_only: !access.contains(StorageAccess::STORE),
-        }),
-        (_, TypeInner::Sampler { .. }) => {
-            wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)
-        }
-        (
-            _,
-            TypeInner::Image {
-                dim,
-                arrayed,
-                class,
-            },
-        ) => {
-            let view_dimension = match (dim, arrayed) {
-                (ImageDimension::D2, false) => wgpu::TextureViewDimension::D2,
-                (ImageDimension::D2, true) => wgpu::TextureViewDimension::D2Array,
-                (ImageDimension::D3, _) => wgpu::TextureViewDimension::D3,
-                _ => return None,
-            };
-            match class {
-                ImageClass::Sampled { multi: false, .. } => wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Float {
-                        filterable: filtered,
-                    },
-                    view_dimension,
-                    multisampled: false,
-                },
-                ImageClass::Storage { format, .. } => wgpu::BindingType::StorageTexture {
-                    access: wgpu::StorageTextureAccess::WriteOnly,
-                    format: storage_format(*format)?,
-                    view_dimension,
-                },
-                _ => return None,
-            }
-        }
-        _ => return None,
-    })
-}
-
-fn storage_format(format: naga::StorageFormat) -> Option<wgpu::TextureFormat> {
-    Some(match format {
-        naga::StorageFormat::R16Float => wgpu::TextureFormat::R16Float,
-        naga::StorageFormat::R32Float => wgpu::TextureFormat::R32Float,
-        naga::StorageFormat::Rgba16Float => wgpu::TextureFormat::Rgba16Float,
-        naga::StorageFormat::Rgba32Float => wgpu::TextureFormat::Rgba32Float,
-        naga::StorageFormat::Rgba8Unorm => wgpu::TextureFormat::Rgba8Unorm,
-        _ => return None,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::plain_name;
-
-    #[test]
-    fn decoration_of_imported_names_is_removed() {
-        assert_eq!(plain_name("frameX_naga_oil_mod_XMZZGC3LFX"), "frame");
-        assert_eq!(plain_name("counts"), "counts");
-    }
 }

@@ -130,8 +130,20 @@ impl Sources {
 
 /// Resolves imports and definitions, validates, and drops what the entry point does not use.
 pub fn compose(sources: &Sources, program: &Program) -> Result<naga::Module> {
+    compose_point(sources, program, None)
+}
+
+/// The same for a file with several entry points: of one of them.
+pub fn compose_point(
+    sources: &Sources,
+    program: &Program,
+    point: Option<&str>,
+) -> Result<naga::Module> {
+    // The device decides whether it has them: see what it says of a texture's format.
+    let optional = naga::valid::Capabilities::STORAGE_TEXTURE_16BIT_NORM_FORMATS;
+    let capabilities = naga::valid::Capabilities::default() | optional;
     let mut loader = Loader {
-        composer: Composer::default().with_capabilities(naga::valid::Capabilities::default()),
+        composer: Composer::default().with_capabilities(capabilities),
         sources,
         program,
     };
@@ -145,6 +157,17 @@ pub fn compose(sources: &Sources, program: &Program) -> Result<naga::Module> {
         ..Default::default()
     });
     let mut module = made.map_err(|e| loader.error(program.entry, &e))?;
+    if let Some(point) = point {
+        module.entry_points.retain(|entry| entry.name == point);
+    }
+    if module.entry_points.is_empty() {
+        let message = match point {
+            Some(point) => format!("has no entry point `{point}`"),
+            None => "has no entry point".to_owned(),
+        };
+        let file = format!("shaders/{}", program.entry);
+        return Err(Error::Shader { file, message });
+    }
     naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
     Ok(module)
 }

@@ -91,10 +91,7 @@ impl LightOcclusion for Bsm {
     }
 
     fn plan(&self, _params: &Params) -> Result<Plan> {
-        Ok(Plan {
-            map_values: Some(3),
-            ..Plan::default()
-        })
+        Ok(Plan::array(3))
     }
 }
 

@@ -87,10 +87,7 @@ impl LightOcclusion for Esm {
     }
 
     fn plan(&self, _params: &Params) -> Result<Plan> {
-        Ok(Plan {
-            map_values: Some(1),
-            ..Plan::default()
-        })
+        Ok(Plan::array(1))
     }
 }
 

@@ -54,10 +54,7 @@ impl LightOcclusion for Floor {
     }
 
     fn plan(&self, params: &Params) -> Result<Plan> {
-        Ok(Plan {
-            map_values: Some(params.int("steps")?),
-            ..Plan::default()
-        })
+        Ok(Plan::array(params.int("steps")?))
     }
 }
 

@@ -168,8 +168,8 @@ impl LightOcclusion for Fom {
             ("PADDED".into(), number(4 * layers)),
         ]);
         Ok(Plan {
-            map_values: Some(values),
             defs,
+            ..Plan::array(values)
         })
     }
 }

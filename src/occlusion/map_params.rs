@@ -1,12 +1,13 @@
-//! Parameters that maps share. The renderer reads them by name: `resolution`, `steps`, `storage`, `lookup` and `sampling`.
+//! Parameters that maps share. The renderer reads them by name: `resolution`, `steps` and `sampling` of every map,
+//! `storage` where it holds floats, `lookup` where it is read by texels.
 
 use crate::param::{Applies, AsPrinted, ParamKind, ParamSpec};
 
-/// Parameters every map shares.
+/// Parameters of a map of floats that is read by texels.
 pub const MAP_PARAMS: &[ParamSpec] = &[RESOLUTION, STEPS, STORAGE, LOOKUP, SAMPLING];
 
 /// Edge of a map.
-const RESOLUTION: ParamSpec = ParamSpec {
+pub const RESOLUTION: ParamSpec = ParamSpec {
     name: "resolution",
     unit: "texels",
     doc: "Edge of the square map.",
@@ -20,7 +21,7 @@ const RESOLUTION: ParamSpec = ParamSpec {
 };
 
 /// Samples of a column.
-const STEPS: ParamSpec = ParamSpec {
+pub const STEPS: ParamSpec = ParamSpec {
     name: "steps",
     unit: "",
     doc: "Samples a map column takes over its own length inside the layer.",
@@ -34,7 +35,7 @@ const STEPS: ParamSpec = ParamSpec {
 };
 
 /// Floating-point format of stored values.
-const STORAGE: ParamSpec = ParamSpec {
+pub const STORAGE: ParamSpec = ParamSpec {
     name: "storage",
     unit: "",
     doc: "Bits of a stored value: half or single precision.",
@@ -46,8 +47,8 @@ const STORAGE: ParamSpec = ParamSpec {
     as_printed: &[],
 };
 
-/// How texels answer a look-up between them.
-const LOOKUP: ParamSpec = ParamSpec {
+/// How texels of floats or fractions answer a look-up between them.
+pub const LOOKUP: ParamSpec = ParamSpec {
     name: "lookup",
     unit: "",
     doc: "nearest: one texel; hardware: stored values interpolated by the sampler; blend: T of four texels, interpolated.",
@@ -59,8 +60,21 @@ const LOOKUP: ParamSpec = ParamSpec {
     as_printed: &[],
 };
 
+/// How texels of words, which no sampler interpolates, answer a look-up between them.
+pub const TEXEL_LOOKUP: ParamSpec = ParamSpec {
+    name: "lookup",
+    unit: "",
+    doc: "nearest: one texel; blend: T of four texels, interpolated.",
+    kind: ParamKind::Choice {
+        options: &["nearest", "blend"],
+        default: "blend",
+    },
+    applies: Applies::Always,
+    as_printed: &[],
+};
+
 /// Where a column is sampled.
-const SAMPLING: ParamSpec = ParamSpec {
+pub const SAMPLING: ParamSpec = ParamSpec {
     name: "sampling",
     unit: "",
     doc: "Where a step is sampled: its midpoint, or its far end.",

@@ -6,7 +6,8 @@
 //! - without a map, the file exports `fn light_transmittance(p: vec3f, rnd: f32) -> f32`;
 //! - with a map, it exports `fn encode(column: Column)` (what a texel keeps of its column) and
 //!   `fn transmittance(tap: Tap, depth: f32) -> f32` (what a texel says of a depth); the map's geometry, look-up rule and
-//!   fallback are shared.
+//!   fallback are shared. What the map is, a 2-D array of floats unless the method says otherwise, and passes before and
+//!   after the one that fills it are in its [`Plan`]: see [`plan`].
 //!
 //! Numeric parameters are members of the file's `Params` uniform (or of the shared `Map`), choices are shader
 //! definitions `NAME_OPTION`. The Rust file also holds the method's f64 [`Twin`], written from the equations: what the
@@ -15,6 +16,7 @@
 
 mod info;
 mod map_params;
+pub mod plan;
 pub mod rounding;
 pub mod twin;
 
@@ -30,8 +32,9 @@ mod truth;
 
 pub use fom::thickness_of_opacity;
 pub use info::{Marker, MethodInfo, Role, Trial, Trials, trial};
-pub use map_params::MAP_PARAMS;
 use map_params::{FORM, FRONT};
+pub use map_params::{LOOKUP, MAP_PARAMS, RESOLUTION, SAMPLING, STEPS, STORAGE, TEXEL_LOOKUP};
+pub use plan::Plan;
 
 use crate::error::{Error, Result};
 use crate::param::{ParamSpec, ParamValue, Params};
@@ -50,21 +53,12 @@ pub const REGISTRY: &[&dyn LightOcclusion] = &[
     &truth::Truth,
 ];
 
-/// What a method needs at given parameters.
-#[derive(Clone, Debug, Default)]
-pub struct Plan {
-    /// Values a map texel holds; `None` = no map.
-    pub map_values: Option<u32>,
-    /// Definitions beside those of the choices, for structure that depends on a number.
-    pub defs: Defs,
-}
-
 /// A strategy.
 pub trait LightOcclusion: Sync {
     /// Its description.
     fn info(&self) -> &'static MethodInfo;
 
-    /// Map size and structure at `params`; the default is a method without a map.
+    /// What it needs at `params`; the default is a method without a map.
     fn plan(&self, _params: &Params) -> Result<Plan> {
         Ok(Plan::default())
     }

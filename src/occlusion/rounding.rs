@@ -14,6 +14,12 @@ pub enum Format {
     F32,
     /// binary16: largest 65504, smallest normal 6.1e−5.
     F16,
+    /// k/255 in 0…1 (WebGPU's `unorm8`).
+    Unorm8,
+    /// k/65535 in 0…1.
+    Unorm16,
+    /// Words that a method packs: its twin rounds, see [`super::twin::Encoding::stored`].
+    Packed,
 }
 
 /// How values are rounded where a device would round them.
@@ -67,6 +73,9 @@ impl Rounding {
             Format::F64 => (value, f64::MIN_POSITIVE),
             Format::F32 => (f64::from(value as f32), f64::from(f32::MIN_POSITIVE)),
             Format::F16 => (self.half(value), f16::MIN_POSITIVE.to_f64()),
+            Format::Unorm8 => return fraction(value, 255.0),
+            Format::Unorm16 => return fraction(value, 65_535.0),
+            Format::Packed => return value,
         };
         if self.flush_denormals && rounded.abs() < smallest_normal {
             return 0.0_f64.copysign(rounded);
@@ -83,6 +92,11 @@ impl Rounding {
         }
         nearest.to_f64()
     }
+}
+
+/// The nearest k/`most` in 0…1: what a `unorm` texture keeps of a value.
+pub fn fraction(value: f64, most: f64) -> f64 {
+    (value.clamp(0.0, 1.0) * most).round() / most
 }
 
 #[cfg(test)]
@@ -108,6 +122,27 @@ mod tests {
             assert_eq!(F16.stored(value), expected, "{value}");
         }
         assert!(F16.stored(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn fractions_end_at_0_and_1_and_packed_words_are_left_to_their_method() {
+        let stored = |storage, value| {
+            let rounding = Rounding {
+                storage,
+                ..Rounding::EXACT
+            };
+            rounding.stored(value)
+        };
+        for (value, expected) in [
+            (-1.0, 0.0),
+            (0.3, 77.0 / 255.0),
+            (0.499_99, 127.0 / 255.0),
+            (7.0, 1.0),
+        ] {
+            assert_eq!(stored(Format::Unorm8, value), expected, "{value}");
+        }
+        assert_eq!(stored(Format::Unorm16, 0.3), 19_661.0 / 65_535.0);
+        assert_eq!(stored(Format::Packed, 0.3), 0.3);
     }
 
     #[test]

@@ -42,11 +42,13 @@ fn along(way: &Way, setup: &MethodSetup) -> Vec<u64> {
     let values: Vec<f64> = match setup.method.oracle(params).unwrap() {
         Twin::March(march) => vec![march.transmittance(way, 0.3)],
         Twin::Map(map) => {
-            let rounding = Rounding::device(params.choice("storage").unwrap(), false);
+            let rounding = Rounding {
+                storage: setup.stored_format().unwrap().unwrap(),
+                ..Rounding::device("f32", false)
+            };
             let (steps, sampling) = (params.int("steps"), params.choice("sampling"));
             let column = Column::march(way, steps.unwrap(), sampling.unwrap(), 3917.3);
-            let values = map.encode(&column, &rounding).into_iter();
-            let stored: Vec<f64> = values.map(|v| rounding.stored(v)).collect();
+            let stored = map.stored(map.encode(&column, &rounding), &rounding);
             let at = |depth| LookUp {
                 depth,
                 length: 3001.7 / 3917.3,

@@ -3,6 +3,8 @@
 //! A twin sees light rays and columns, no scene: it can be asked about any extinction a caller makes up. NaN passes
 //! through every twin, so that a form that fails is seen to fail.
 
+#[cfg(doc)]
+use super::rounding::Format;
 use super::rounding::Rounding;
 use crate::error::Result;
 use crate::param::Params;
@@ -47,7 +49,15 @@ pub trait Encoding: Send + Sync {
     /// Values of a texel, before storage rounds them.
     fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64>;
 
-    /// V at a depth, from the values as stored.
+    /// The values as the map keeps them. A method that packs values into words overrides this: where
+    /// [`Rounding::storage`] is [`Format::Packed`] it rounds each as its packing does.
+    fn stored(&self, values: Vec<f64>, rounding: &Rounding) -> Vec<f64> {
+        let stored = values.into_iter().map(|value| rounding.stored(value));
+        stored.collect()
+    }
+
+    /// V at a depth, from the values as stored. Of a map in a 3-D texture they are interpolated between four columns
+    /// already, slice by slice; [`between_slices`] does the rest of a trilinear fetch.
     fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64;
 }
 
@@ -179,6 +189,16 @@ pub fn fallback(ray: &dyn LightRay) -> f64 {
         |k| (k / n).powi(2),
         0.5,
     )
+}
+
+/// What a sampler returns at `depth` in 0…1 of a column of voxels, one value each: linear between their centres, level
+/// beyond the first and the last.
+pub fn between_slices(values: &[f64], depth: f64) -> f64 {
+    let last = values.len().saturating_sub(1);
+    let position = (depth * values.len() as f64 - 0.5).clamp(0.0, last as f64);
+    let low = position as usize;
+    let (near, far) = (values[low], values[(low + 1).min(last)]);
+    near + (far - near) * (position - low as f64)
 }
 
 /// `value`, or 0 below it; NaN stays, unlike with `f64::max`.

@@ -32,16 +32,13 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Map values are rounded as the method's `storage` says, all else is exact.
+    /// Map values are rounded as the map's format does, all else is exact.
     pub fn stored(setup: &MethodSetup) -> Self {
-        let storage = match setup.params.choice("storage") {
-            Ok("f16") => Format::F16,
-            Ok(_) => Format::F32,
-            Err(_) => Format::F64,
-        };
+        // A plan that cannot be made is reported where the method is prepared.
+        let storage = setup.stored_format().ok().flatten();
         Self {
             rounding: Rounding {
-                storage,
+                storage: storage.unwrap_or(Format::F64),
                 ..Rounding::EXACT
             },
             ..Self::default()

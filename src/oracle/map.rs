@@ -6,9 +6,10 @@ use super::field::Field;
 use super::layer::{LayerRay, UNLIMITED_M};
 use super::{Options, Oracle};
 use crate::error::{Error, Result};
-use crate::occlusion::MethodSetup;
+use crate::occlusion::plan::MapLayout;
 use crate::occlusion::rounding::Rounding;
 use crate::occlusion::twin::{Column, Encoding, LookUp};
+use crate::occlusion::{MethodSetup, Plan};
 use crate::scene::Container;
 use crate::scene::MapRectangle;
 use glam::DVec3;
@@ -40,6 +41,21 @@ enum Rule {
     Blend,
 }
 
+impl Rule {
+    /// A 3-D texture is interpolated by its one fetch, whatever else there is.
+    fn new(setup: &MethodSetup, plan: &Plan) -> Result<Self> {
+        let layout = plan.map.as_ref().map(|map| map.layout);
+        if matches!(layout, Some(MapLayout::Volume { .. })) {
+            return Ok(Self::Hardware);
+        }
+        Ok(match setup.params.choice("lookup")? {
+            "nearest" => Self::Nearest,
+            "hardware" => Self::Hardware,
+            _ => Self::Blend,
+        })
+    }
+}
+
 /// See the module.
 pub(super) struct LightMap {
     rectangle: MapRectangle,
@@ -65,11 +81,8 @@ impl LightMap {
     ) -> Result<Self> {
         let Oracle { scene, image, .. } = oracle;
         let resolution = setup.params.int("resolution")?;
-        let values = setup
-            .method
-            .plan(&setup.params)?
-            .map_values
-            .unwrap_or_default();
+        let plan = setup.method.plan(&setup.params)?;
+        let values = plan.map_values().unwrap_or_default();
         let samples =
             u64::from(image.width) * u64::from(image.height) * u64::from(scene.march.most_steps());
         let texels = u64::from(resolution).pow(2).min(4 * samples);
@@ -91,11 +104,7 @@ impl LightMap {
             resolution,
             steps: setup.params.int("steps")?,
             sampling: setup.params.choice("sampling")?,
-            rule: match setup.params.choice("lookup")? {
-                "nearest" => Rule::Nearest,
-                "hardware" => Rule::Hardware,
-                _ => Rule::Blend,
-            },
+            rule: Rule::new(setup, &plan)?,
             encoding,
             rounding: options.rounding,
             shards: (0..SHARDS).map(|_| Mutex::default()).collect(),
@@ -228,10 +237,7 @@ impl LightMap {
         let column = Column::march(&ray, self.steps, self.sampling, self.rectangle.depth_m);
         let values = self.encoding.encode(&column, &self.rounding);
         Texel {
-            values: values
-                .into_iter()
-                .map(|v| self.rounding.stored(v))
-                .collect(),
+            values: self.encoding.stored(values, &self.rounding).into(),
             length: column.length_m / self.rectangle.depth_m,
             samples: samples.get(),
         }

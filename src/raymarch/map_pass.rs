@@ -1,181 +1,169 @@
-//! The pass that fills a light map, and the texture it fills.
+//! The passes that fill a light map: the one that marches its columns, and a method's own before and after it.
 
-use super::light_map::{TexelFormat, map_uniform};
+use super::light_map::map_uniform;
+use super::map_format::{TexelFormat, defs, usable};
+use super::map_storage::MapStorage;
 use super::tiles::{Pass, SLOW_SAMPLES_A_MS, Tiles};
 use super::{Renderer, View};
-use crate::cost::Memory;
 use crate::error::{Error, Result};
 use crate::gpu::{Defs, Flight, Gpu, Inputs, Kernel, PassTime, Program, Resource, Span};
 use crate::occlusion::MethodSetup;
+use crate::occlusion::plan::{MapPlan, MethodPass};
 use crate::progress::Progress;
 use crate::scene::MapRectangle;
 use std::rc::Rc;
 
-/// COPY_DST although nothing is copied there: without it wgpu zeroes the texture in a render pass, and a software adapter
-/// (llvmpipe) then defers the timestamps of later compute passes until that frame buffer is flushed.
-const MAP_USAGE: wgpu::TextureUsages = wgpu::TextureUsages::STORAGE_BINDING
-    .union(wgpu::TextureUsages::TEXTURE_BINDING)
-    .union(wgpu::TextureUsages::COPY_SRC)
-    .union(wgpu::TextureUsages::COPY_DST);
-
-/// The compiled pass with its resources.
-pub(super) struct MapPass {
-    pub kernel: Rc<Kernel>,
-    pub groups: Vec<wgpu::BindGroup>,
-    tiles: Tiles,
-    pub counts: Option<wgpu::Buffer>,
-    pub texture: MapTexture,
+/// A light map and all that fills it.
+pub(super) struct MapPasses {
+    pub storage: MapStorage,
+    /// In their order.
+    passes: Vec<MapPass>,
 }
 
-impl MapPass {
+/// One compiled pass with its resources.
+struct MapPass {
+    kernel: Rc<Kernel>,
+    groups: Vec<wgpu::BindGroup>,
+    tiles: Tiles,
+    threads: [u32; 2],
+    counts: Option<wgpu::Buffer>,
+}
+
+/// What the passes of a map have in common.
+struct Surroundings<'a> {
+    renderer: &'a Renderer,
+    view: &'a View,
+    setup: &'a MethodSetup,
+    defs: &'a Defs,
+    inputs: &'a Inputs,
+    counting: bool,
+}
+
+impl MapPasses {
+    /// Allocates a map and compiles its passes. `defs` and `inputs` get what the view march needs of it.
     pub fn new(
         renderer: &Renderer,
         view: &View,
-        shader: &str,
-        defs: &Defs,
-        inputs: &Inputs,
-        texture: MapTexture,
+        setup: &MethodSetup,
+        plan: &MapPlan,
+        defs: &mut Defs,
+        inputs: &mut Inputs,
         counting: bool,
     ) -> Result<Self> {
         let gpu = &renderer.gpu;
-        let kernel = renderer.kernel(&Program {
-            entry: "generate.wgsl",
-            roles: view.roles(shader),
-            defs: defs.clone(),
-        })?;
-        let mut inputs = inputs.clone();
-        let counts = counting.then(|| counts_buffer(gpu, [texture.resolution; 2]));
-        offer_counts(&mut inputs, counts.as_ref());
-        let threads = renderer.tiling.target_ms * SLOW_SAMPLES_A_MS / f64::from(texture.steps);
-        let tiles = Tiles::new(gpu, &mut inputs, renderer.tiling, threads);
-        let groups = kernel.bind(gpu, &[&inputs, &view.inputs, &view.density.inputs])?;
-        Ok(Self {
-            kernel,
-            groups,
-            tiles,
-            counts,
-            texture,
-        })
+        let format = TexelFormat::choose(setup, plan.layout, |format| usable(gpu, format))?;
+        defs.extend(self::defs(plan.layout, format));
+        let storage = MapStorage::new(gpu, setup, plan, format, inputs)?;
+        let rectangle = MapRectangle::fit(&view.scene, view.image, storage.resolution);
+        let steps = setup.params.int("steps")?;
+        inputs.uniform("map", map_uniform(&rectangle, storage.resolution, steps));
+        let around = Surroundings {
+            renderer,
+            view,
+            setup,
+            defs,
+            inputs,
+            counting,
+        };
+        let own = |passes: &[MethodPass]| -> Result<Vec<MapPass>> {
+            let compiled = passes.iter().map(|pass| around.own_pass(pass, &storage));
+            compiled.collect()
+        };
+        let mut passes = own(&plan.before)?;
+        passes.push(around.column_pass(storage.resolution)?);
+        passes.extend(own(&plan.after)?);
+        Ok(Self { storage, passes })
     }
 
-    /// Fills the map, tile by tile; its GPU time.
+    /// Fills the map, tile by tile; the GPU time of all passes.
     pub fn fill(&self, gpu: &Gpu, progress: Progress) -> Result<PassTime> {
-        self.tiles.run(gpu, &self.pass(), progress)
+        let run = |pass: &MapPass| pass.tiles.run(gpu, &pass.pass(), &mut *progress);
+        let times: Vec<PassTime> = self.passes.iter().map(run).collect::<Result<_>>()?;
+        Ok(PassTime::sum(&times))
     }
 
     /// Records the same without waiting.
     pub fn record(&self, flight: &mut Flight) -> Vec<Span> {
-        self.tiles.record(flight, &self.pass())
+        let record = |pass: &MapPass| pass.tiles.record(flight, &pass.pass());
+        self.passes.iter().flat_map(record).collect()
     }
 
+    /// The compiled passes.
+    pub fn kernels(&self) -> impl Iterator<Item = &Kernel> {
+        self.passes.iter().map(|pass| &*pass.kernel)
+    }
+
+    /// Counters of each pass that counts.
+    pub fn counts(&self) -> impl Iterator<Item = &wgpu::Buffer> {
+        self.passes.iter().filter_map(|pass| pass.counts.as_ref())
+    }
+}
+
+impl MapPass {
     fn pass(&self) -> Pass<'_> {
         Pass {
             kernel: &self.kernel,
             groups: &self.groups,
-            size: [self.texture.resolution; 2],
+            size: self.threads,
             steps: [1, 1],
         }
     }
 }
 
-/// The map as allocated.
-pub(super) struct MapTexture {
-    pub texture: wgpu::Texture,
-    pub format: TexelFormat,
-    pub resolution: u32,
-    /// Samples of a column.
-    pub steps: u32,
-    pub values_a_texel: u32,
-    pub memory: Memory,
-}
+impl Surroundings<'_> {
+    fn column_pass(&self, resolution: u32) -> Result<MapPass> {
+        let shader = self.setup.method.info().shader;
+        let kernel = self.kernel("generate.wgsl", shader, None)?;
+        self.bound(kernel, [resolution; 2], self.inputs.clone())
+    }
 
-impl MapTexture {
-    pub fn new(
-        gpu: &Gpu,
-        view: &View,
-        setup: &MethodSetup,
-        values: u32,
-        defs: &mut Defs,
-        inputs: &mut Inputs,
-    ) -> Result<Self> {
-        let resolution = setup.params.int("resolution")?;
-        let storage = setup.params.choice("storage")?;
-        let hardware = setup.params.choice("lookup")? == "hardware";
-        let format = TexelFormat::choose(gpu, values, storage, hardware)?;
-        let layers = values.div_ceil(format.channels);
-        check_limits(gpu, resolution, layers)?;
-        defs.insert(format.define.to_owned(), None);
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("light map"),
-            size: wgpu::Extent3d {
-                width: resolution,
-                height: resolution,
-                depth_or_array_layers: layers,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: format.texture,
-            usage: MAP_USAGE,
-            view_formats: &[],
-        });
-        gpu.check()?;
-        let array = wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
+    fn own_pass(&self, pass: &MethodPass, storage: &MapStorage) -> Result<MapPass> {
+        let shader = self.setup.method.info().shader;
+        if pass.threads.contains(&0) {
+            let problem = format!("its pass `{}` has no invocations", pass.entry);
+            return Err(Error::defect(self.setup.method.info().id, problem));
+        }
+        let kernel = self.kernel(shader, shader, Some(pass.entry))?;
+        if kernel.keeps("density_samples") && !kernel.uses("counts") {
+            return Err(Error::Shader {
+                file: format!("shaders/{shader}"),
+                message: format!("`{}` takes density samples and counts none", pass.entry),
+            });
+        }
+        let mut inputs = self.inputs.clone();
+        storage.narrow(pass, &mut inputs)?;
+        self.bound(kernel, pass.threads, inputs)
+    }
+
+    fn kernel(&self, entry: &str, shader: &str, point: Option<&str>) -> Result<Rc<Kernel>> {
+        let program = Program {
+            entry,
+            roles: self.view.roles(shader),
+            defs: self.defs.clone(),
         };
-        inputs.resource("map_texture", Resource::View(texture.create_view(&array)));
-        inputs.resource("map_store", Resource::View(texture.create_view(&array)));
-        inputs.resource("map_sampler", Resource::Sampler(clamping_sampler(gpu)));
-        let rectangle = MapRectangle::fit(&view.scene, view.image, resolution);
-        let steps = setup.params.int("steps")?;
-        inputs.uniform("map", map_uniform(&rectangle, resolution, steps));
-        let memory = format.memory(values, storage, resolution);
-        Ok(Self {
-            texture,
-            format,
-            resolution,
-            steps,
-            values_a_texel: values,
-            memory,
+        self.renderer
+            .method_kernel(self.setup.method.info(), &program, point)
+    }
+
+    fn bound(&self, kernel: Rc<Kernel>, threads: [u32; 2], mut inputs: Inputs) -> Result<MapPass> {
+        let gpu = &self.renderer.gpu;
+        let counting = self.counting && kernel.uses("counts");
+        let counts = counting.then(|| counts_buffer(gpu, threads));
+        offer_counts(&mut inputs, counts.as_ref());
+        let tiling = self.renderer.tiling;
+        // As if every invocation marched a column.
+        let steps = f64::from(self.setup.params.int("steps")?);
+        let first = tiling.target_ms * SLOW_SAMPLES_A_MS / steps;
+        let tiles = Tiles::new(gpu, &mut inputs, tiling, first);
+        let inputs = [&inputs, &self.view.inputs, &self.view.density.inputs];
+        Ok(MapPass {
+            groups: kernel.bind(gpu, &inputs)?,
+            kernel,
+            tiles,
+            threads,
+            counts,
         })
     }
-}
-
-fn check_limits(gpu: &Gpu, resolution: u32, layers: u32) -> Result<()> {
-    let limits = gpu.device.limits();
-    let exceeded = |what: &str, wanted: u32, allowed: u32, remedy: &str| {
-        Err(Error::gpu(
-            format!("the map needs {what} {wanted}, the adapter's limit is {allowed}"),
-            remedy,
-        ))
-    };
-    if resolution > limits.max_texture_dimension_2d {
-        return exceeded(
-            "an edge of",
-            resolution,
-            limits.max_texture_dimension_2d,
-            "Choose a smaller `resolution`.",
-        );
-    }
-    if layers > limits.max_texture_array_layers {
-        return exceeded(
-            "array layers:",
-            layers,
-            limits.max_texture_array_layers,
-            "Choose fewer `steps` or a lower `order`.",
-        );
-    }
-    Ok(())
-}
-
-fn clamping_sampler(gpu: &Gpu) -> wgpu::Sampler {
-    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some("light map"),
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..Default::default()
-    })
 }
 
 /// Four counters for each of `size` threads.

@@ -1,9 +1,10 @@
 //! What a light map holds, read back.
 
-use super::map_pass::MapTexture;
+use super::map_storage::{MapContent, MapStorage};
 use crate::error::Result;
 use crate::frame::is_nonfinite;
-use crate::gpu::{Gpu, read_texture};
+use crate::gpu::{Gpu, read_buffer, read_texture};
+use crate::occlusion::plan::{MapLayout, MapNumbers};
 use half::f16;
 
 /// The values of a light map as its method stored them.
@@ -11,7 +12,7 @@ use half::f16;
 pub struct MapTexels {
     /// Edge of the square map, texels.
     pub resolution: u32,
-    /// Values a texel; padding of the texture's format is left out.
+    /// Values a texel, of a 3-D texture those of a column of voxels; padding of the format is left out.
     pub values_a_texel: u32,
     /// Values, texel after texel, u fastest.
     pub values: Vec<f32>,
@@ -30,25 +31,49 @@ impl MapTexels {
         self.values.iter().filter(|v| is_nonfinite(**v)).count() as u64
     }
 
-    pub(super) fn read(gpu: &Gpu, map: &MapTexture) -> Result<Self> {
-        let bytes = read_texture(gpu, &map.texture)?;
-        let channels = map.format.channels as usize;
-        let numbers: Vec<f32> = if map.format.bytes as usize / channels == 2 {
-            let two = bytes.as_chunks::<2>().0.iter();
-            two.map(|b| f16::from_le_bytes(*b).to_f32()).collect()
-        } else {
-            let four = bytes.as_chunks::<4>().0.iter();
-            four.map(|b| f32::from_le_bytes(*b)).collect()
-        };
+    pub(super) fn read(gpu: &Gpu, map: &MapStorage) -> Result<Self> {
         let texels = (map.resolution as usize).pow(2);
-        let n = map.values_a_texel as usize;
+        let n = map.layout.column_values() as usize;
+        let numbers = map.layout.numbers();
+        // `channels` numbers stand side by side; the first `together` of them are values of the column.
+        let (numbers, channels, together) = match &map.content {
+            MapContent::Words(buffer) => {
+                let bytes = read_buffer(gpu, buffer, buffer.size())?;
+                (decoded(&bytes, numbers, 4), n, n)
+            }
+            MapContent::Texture(texture, format) => {
+                let bytes = read_texture(gpu, texture)?;
+                let channels = format.channels as usize;
+                let together = match map.layout {
+                    MapLayout::Volume { values, .. } => values as usize,
+                    _ => channels,
+                };
+                let numbers = decoded(&bytes, numbers, format.value_bytes);
+                (numbers, channels, together)
+            }
+        };
         let value = |texel: usize, i: usize| {
-            numbers[(i / channels * texels + texel) * channels + i % channels]
+            numbers[(i / together * texels + texel) * channels + i % together]
         };
         Ok(Self {
             resolution: map.resolution,
-            values_a_texel: map.values_a_texel,
+            values_a_texel: map.layout.column_values(),
             values: (0..texels * n).map(|i| value(i / n, i % n)).collect(),
         })
+    }
+}
+
+/// Stored values as numbers; words as the whole numbers that they are.
+fn decoded(bytes: &[u8], numbers: MapNumbers, value_bytes: u32) -> Vec<f32> {
+    let two = || bytes.as_chunks::<2>().0.iter();
+    let four = || bytes.as_chunks::<4>().0.iter();
+    match (numbers, value_bytes) {
+        (MapNumbers::Unorm8, _) => bytes.iter().map(|b| f32::from(*b) / 255.0).collect(),
+        (MapNumbers::Unorm16, _) => two()
+            .map(|b| f32::from(u16::from_le_bytes(*b)) / 65_535.0)
+            .collect(),
+        (MapNumbers::Word, _) => four().map(|b| u32::from_le_bytes(*b) as f32).collect(),
+        (MapNumbers::Float, 2) => two().map(|b| f16::from_le_bytes(*b).to_f32()).collect(),
+        (MapNumbers::Float, _) => four().map(|b| f32::from_le_bytes(*b)).collect(),
     }
 }

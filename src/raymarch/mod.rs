@@ -3,14 +3,16 @@
 mod frame_spans;
 mod inputs;
 mod light_map;
+mod map_format;
 mod map_pass;
+mod map_storage;
 mod map_texels;
 mod prepared;
 mod temporal;
 mod tiles;
 mod view;
 
-pub use light_map::planned_memory;
+pub use map_format::{map_defs, planned_memory};
 pub use map_texels::MapTexels;
 pub use prepared::Prepared;
 pub(crate) use temporal::check_size;
@@ -24,7 +26,6 @@ use crate::gpu::{ClockWatch, Defs, Gpu, Kernel, Program, Sources};
 use crate::occlusion::{MethodInfo, MethodSetup};
 use crate::scene::ImageSize;
 use crate::scene::Scene;
-use std::borrow::Cow;
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -39,15 +40,13 @@ pub struct Renderer {
     /// How passes of methods prepared from now on are cut.
     pub tiling: Tiling,
     kernels: RefCell<HashMap<KernelKey, Rc<Kernel>>>,
-    /// Shaders of methods that are not among the device's, by path.
-    method_texts: RefCell<HashMap<&'static str, &'static str>>,
     /// The last density field: consecutive views often differ in sun or image size alone.
     density: RefCell<Option<(String, Rc<DeviceField>)>>,
     clock_watch: OnceCell<ClockWatch>,
 }
 
-/// Entry file, roles and definitions: all that a kernel depends on.
-type KernelKey = (String, Vec<(String, String)>, Defs);
+/// Entry file, its entry point where it has several, roles and definitions: all that a kernel depends on.
+type KernelKey = (String, Option<String>, Vec<(String, String)>, Defs);
 
 impl Renderer {
     /// A renderer on `gpu`.
@@ -56,7 +55,6 @@ impl Renderer {
             gpu,
             tiling: Tiling::BATCH,
             kernels: RefCell::default(),
-            method_texts: RefCell::default(),
             density: RefCell::default(),
             clock_watch: OnceCell::new(),
         }
@@ -88,33 +86,49 @@ impl Renderer {
         })
     }
 
-    /// Makes the shader of a method known, which may come from elsewhere than the program's own files.
-    fn take_shader(&self, method: &MethodInfo) {
-        if self.gpu.sources.text(method.shader).is_err() {
-            let mut texts = self.method_texts.borrow_mut();
-            texts.insert(method.shader, method.source);
+    /// The compiled kernel of a program, from the cache when it was compiled before.
+    fn kernel(&self, program: &Program) -> Result<Rc<Kernel>> {
+        self.kernel_of(&self.gpu.sources, program, None)
+    }
+
+    /// The same for a program of a method, which brings its own text where the shaders in use have none.
+    fn method_kernel(
+        &self,
+        method: &MethodInfo,
+        program: &Program,
+        point: Option<&str>,
+    ) -> Result<Rc<Kernel>> {
+        let sources = &self.gpu.sources;
+        match sources.text(method.shader) {
+            Ok(_) => self.kernel_of(sources, program, point),
+            Err(_) => {
+                let with_own = sources.with(method.shader, method.source);
+                self.kernel_of(&with_own, program, point)
+            }
         }
     }
 
-    /// The compiled kernel of a program, from the cache when it was compiled before.
-    fn kernel(&self, program: &Program) -> Result<Rc<Kernel>> {
+    fn kernel_of(
+        &self,
+        sources: &Sources,
+        program: &Program,
+        point: Option<&str>,
+    ) -> Result<Rc<Kernel>> {
         let roles = program
             .roles
             .iter()
             .map(|(a, b)| ((*a).to_owned(), (*b).to_owned()))
             .collect();
-        let key = (program.entry.to_owned(), roles, program.defs.clone());
+        let key = (
+            program.entry.to_owned(),
+            point.map(str::to_owned),
+            roles,
+            program.defs.clone(),
+        );
         if let Some(kernel) = self.kernels.borrow().get(&key) {
             return Ok(kernel.clone());
         }
-        let texts = self.method_texts.borrow();
-        let mut files = program.roles.iter().map(|(_, file)| *file);
-        let sources = match files.find_map(|file| texts.get_key_value(file)) {
-            Some((path, text)) => Cow::Owned(self.gpu.sources.with(path, text)),
-            None => Cow::Borrowed(&self.gpu.sources),
-        };
-        let kernel = Kernel::with_sources(&self.gpu, &sources, program)?;
-        let kernel = Rc::new(kernel);
+        let kernel = Rc::new(Kernel::of(&self.gpu, sources, program, point)?);
         self.kernels.borrow_mut().insert(key, kernel.clone());
         Ok(kernel)
     }

@@ -1,7 +1,7 @@
 //! A method made ready in a view: kernels, map texture, bind groups; then run as often as wanted.
 
 use super::frame_spans::{FrameSpans, pass_times};
-use super::map_pass::{MapPass, MapTexture, counts_buffer, offer_counts};
+use super::map_pass::{MapPasses, counts_buffer, offer_counts};
 use super::map_texels::MapTexels;
 use super::tiles::{Pass, Tiles};
 use super::{Renderer, View};
@@ -21,7 +21,7 @@ const FIRST_TILE_ROWS: u32 = 8;
 pub struct Prepared {
     /// Memory of the method.
     pub memory: Memory,
-    map: Option<MapPass>,
+    map: Option<MapPasses>,
     march: Rc<Kernel>,
     /// One for each place that the march may write to.
     groups: Vec<Vec<wgpu::BindGroup>>,
@@ -54,23 +54,14 @@ impl Prepared {
         let mut inputs = Inputs::default();
         inputs.uniform("params", numeric_params(setup));
         let info = setup.method.info();
-        renderer.take_shader(info);
         let mut memory = Memory::default();
-        let map = match plan.map_values {
+        let map = match &plan.map {
             None => None,
-            Some(values) => {
-                defs.insert("HAS_MAP".into(), None);
-                let map = MapTexture::new(gpu, view, setup, values, &mut defs, &mut inputs)?;
-                memory = map.memory;
-                Some(MapPass::new(
-                    renderer,
-                    view,
-                    info.shader,
-                    &defs,
-                    &inputs,
-                    map,
-                    counting,
-                )?)
+            Some(map) => {
+                let (defs, inputs) = (&mut defs, &mut inputs);
+                let map = MapPasses::new(renderer, view, setup, map, defs, inputs, counting)?;
+                memory = map.storage.memory;
+                Some(map)
             }
         };
         memory.allocator_bytes = gpu
@@ -80,11 +71,12 @@ impl Prepared {
         if !quarters.is_empty() {
             defs.insert("TEMPORAL_2X2".into(), None);
         }
-        let march = renderer.kernel(&Program {
+        let program = Program {
             entry: "raymarch.wgsl",
             roles: view.roles(info.shader),
             defs,
-        })?;
+        };
+        let march = renderer.method_kernel(info, &program, None)?;
         check_params_read(setup, &march, map.as_ref()).map_err(|e| gpu.sources.blame(e))?;
         let image = [view.image.width, view.image.height];
         let march_counts = counting.then(|| counts_buffer(gpu, image));
@@ -169,14 +161,18 @@ impl Prepared {
 
     /// The light map of the last run; `None` for a method without one.
     pub fn map_texels(&self, gpu: &Gpu) -> Result<Option<MapTexels>> {
-        let read = |map: &MapPass| MapTexels::read(gpu, &map.texture);
+        let read = |map: &MapPasses| MapTexels::read(gpu, &map.storage);
         self.map.as_ref().map(read).transpose()
     }
 
     /// Counters of the last run; zero unless prepared for counting.
     pub fn counts(&self, gpu: &Gpu) -> Result<Counts> {
         let [view, light, look_ups, fallbacks] = sum_counts(gpu, self.march_counts.as_ref())?;
-        let [map, ..] = sum_counts(gpu, self.map.as_ref().and_then(|m| m.counts.as_ref()))?;
+        let mut map = 0;
+        for buffer in self.map.iter().flat_map(MapPasses::counts) {
+            let [samples, ..] = sum_counts(gpu, Some(buffer))?;
+            map += samples;
+        }
         Ok(Counts {
             samples: Samples { view, light, map },
             look_ups,
@@ -234,13 +230,13 @@ fn numeric_params(setup: &MethodSetup) -> Vec<(&'static str, UniformValue)> {
 }
 
 /// A numeric parameter that neither a uniform nor a definition carries would be ignored in silence.
-fn check_params_read(setup: &MethodSetup, march: &Kernel, map: Option<&MapPass>) -> Result<()> {
+fn check_params_read(setup: &MethodSetup, march: &Kernel, map: Option<&MapPasses>) -> Result<()> {
     let plan = setup.method.plan(&setup.params)?;
-    let kernels = [Some(march), map.map(|m| &*m.kernel)];
+    let of_map = map.into_iter().flat_map(MapPasses::kernels);
+    let kernels: Vec<&Kernel> = of_map.chain([march]).collect();
     for (name, value) in setup.params.iter() {
         let read = kernels
             .iter()
-            .flatten()
             .any(|k| k.members("params").contains(&name) || k.members("map").contains(&name));
         let defined = plan.defs.contains_key(&name.to_uppercase());
         if !read && !defined && !matches!(value, ParamValue::Choice(_)) {

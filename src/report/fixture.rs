@@ -230,6 +230,7 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
                     payload
                 },
                 allocator_bytes: None,
+                temporary_bytes: 0,
             },
             time_ms: Times {
                 generate: (*values > 0).then(|| time(*generate)),

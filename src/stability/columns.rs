@@ -131,7 +131,7 @@ fn rises_as_documented(
     setup: &MethodSetup,
 ) -> Result<bool> {
     let info = setup.method.info();
-    if setup.method.plan(&setup.params)?.map_values.is_none() {
+    if setup.method.plan(&setup.params)?.map_values().is_none() {
         return Ok(true);
     }
     if info.monotone {

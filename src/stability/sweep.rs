@@ -158,7 +158,10 @@ fn entrants(extreme: &Extreme, scene: &Scene) -> Result<Vec<Entrant>> {
 /// The oracle's half of a row.
 fn row(oracle: &Oracle, probes: &[Probe], entrant: &Entrant) -> Result<Row> {
     let with = |flush| {
-        let rounding = Rounding::device(&entrant.setting.storage, flush);
+        let mut rounding = Rounding::device(&entrant.setting.storage, flush);
+        if let Some(format) = entrant.setup.stored_format()? {
+            rounding.storage = format;
+        }
         match measure_columns(oracle, probes, &entrant.setup, rounding) {
             Err(error) if error.concerns_one_cell() => Ok((refused(&error), Vec::new())),
             other => other,

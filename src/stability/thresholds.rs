@@ -112,7 +112,7 @@ impl Map {
     fn stored(&self, ray: &Slab, rounding: &Rounding) -> Vec<f64> {
         let column = Column::march(ray, 100, "midpoint", 1.0);
         let values = self.encoding.encode(&column, rounding);
-        values.into_iter().map(|v| rounding.stored(v)).collect()
+        self.encoding.stored(values, rounding)
     }
 
     /// T at `depth`, 0…1, of such a column.

@@ -61,7 +61,7 @@ pub fn open(app: &mut App, lower: Lower) {
     let has_map = |side: usize| {
         let setup = &app.state.methods[side];
         let plan = setup.method.plan(&setup.params);
-        plan.is_ok_and(|plan| plan.map_values.is_some())
+        plan.is_ok_and(|plan| plan.map_values().is_some())
     };
     let side = app.pane.map_side.min(1);
     if lower == Lower::Map && !has_map(side) && has_map(1 - side) {

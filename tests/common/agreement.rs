@@ -19,7 +19,10 @@ pub fn small(id: &str, params: &str) -> MethodSetup {
 
 /// What a device may make of stored values.
 pub fn roundings(setup: &MethodSetup) -> Vec<Rounding> {
-    let nearest = Rounding::device(setup.params.choice("storage").unwrap_or("f32"), false);
+    let nearest = Rounding {
+        storage: setup.stored_format().unwrap().unwrap_or(Format::F32),
+        ..Rounding::device("f32", false)
+    };
     let cut = Rounding {
         truncate_f16: true,
         ..nearest

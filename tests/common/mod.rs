@@ -112,7 +112,7 @@ pub fn setup(id: &str, params: &str) -> MethodSetup {
 pub fn has_map(id: &str) -> bool {
     let setup = setup(id, "");
     let plan = setup.method.plan(&setup.params).unwrap();
-    plan.map_values.is_some()
+    plan.map_values().is_some()
 }
 
 /// Settings at which a method is exact where the longest column of a homogeneous medium has the optical depth `tau`.
@@ -123,12 +123,20 @@ pub fn exact_settings(info: &MethodInfo, tau: f64) -> Vec<String> {
         .collect()
 }
 
-/// The method with `params`, and with `map` if it has one.
+/// The method with `params`, and with `map` if it has one. Maps that are not read by texels have no `lookup`, those that
+/// hold no floats no `storage`.
 pub fn with_map(id: &str, map: &str, params: &str) -> MethodSetup {
-    setup(
-        id,
-        &format!("{} {params}", if has_map(id) { map } else { "" }),
-    )
+    if !has_map(id) {
+        return setup(id, params);
+    }
+    let defaults = setup(id, "");
+    let lacks = |pair: &&str| {
+        let (name, _) = pair.split_once('=').unwrap();
+        ["lookup", "storage"].contains(&name) && defaults.params.get(name).is_none()
+    };
+    let pairs = map.split_whitespace().chain(params.split_whitespace());
+    let declared: Vec<&str> = pairs.filter(|pair| !lacks(pair)).collect();
+    setup(id, &declared.join(" "))
 }
 
 /// One picture; the scene must be valid.

@@ -3,12 +3,15 @@
 use super::super::view::{Shot, View};
 use super::axis::{AxisSpec, Scale};
 
+/// Smallest and largest value over the repeats, where there are several.
+pub type Range = Option<[f64; 2]>;
+
 /// A number that every cell may have.
 pub struct Number {
     /// Its axis.
     pub axis: fn(&View<'_>) -> AxisSpec,
-    /// The number, and its smallest and largest value over the repeats where there are several.
-    pub of: fn(&Shot<'_>) -> Option<(f64, Option<[f64; 2]>)>,
+    /// The number and its range.
+    pub of: fn(&Shot<'_>) -> Option<(f64, Range)>,
     /// A sentence on how to read it in a scatter chart; may be empty.
     pub note: fn(&View<'_>) -> String,
     /// What a cell is without that has no such number.
