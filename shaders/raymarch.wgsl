@@ -5,8 +5,8 @@
 // (σ constant over a step; Hillaire 2016 eq. 14.) INTEGRATION_THESIS replaces (1 − e^(−σΔ)) by e^(−σΔ)·σΔ: transmittance
 // first, as in thesis M, Algorithm 1. V = 0 where the ray toward the sun meets the ground.
 // A dispatch marches steps tile.steps.x … tile.steps.y − 1 of its pixels; between dispatches the outputs hold the sums.
-// TEMPORAL_2X2: the tile counts 2 × 2 blocks, of each of which one pixel is marched, and the mean depth of what is seen,
-// weighted as its light, is kept for temporal.wgsl.
+// SUBSET: the tile counts blocks of pixels, of each of which one pixel is marched; the passes of a reconstruction add the
+// others. INVERSE_DEPTH: the reciprocal of the mean depth of what is seen, weighted as its light, is kept for them.
 // Cost: `steps` density samples and, where there is medium, one light_transmittance.
 #import frame::{frame, tile, camera_ray}
 #import layer::{layer_length, point_at}
@@ -26,6 +26,9 @@
 #ifdef AMBIENT
 #import ambient::ambient_radiance
 #endif
+#ifdef SUBSET
+#import subset::{Subset, marched_pixel}
+#endif
 
 const MAX_STEPS: u32 = 4096u;
 
@@ -35,12 +38,11 @@ const MAX_STEPS: u32 = 4096u;
 @group(3) @binding(2) var<storage, read_write> counts: array<vec4u>;       // view, light samples, look-ups, fallbacks
 #endif
 
-#ifdef TEMPORAL_2X2
-struct Quarter {
-    pixel: vec2u,  // of each block
-}
-@group(3) @binding(3) var<uniform> quarter: Quarter;
-@group(3) @binding(4) var<storage, read_write> nearness_out: array<f32>;   // 1/depth along the optical axis, m⁻¹
+#ifdef SUBSET
+@group(3) @binding(3) var<uniform> subset: Subset;
+#endif
+#ifdef INVERSE_DEPTH
+@group(3) @binding(4) var<storage, read_write> inverse_depth_out: array<f32>;   // along the optical axis, m⁻¹
 #endif
 
 @compute @workgroup_size(8, 8)
@@ -48,8 +50,8 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= tile.size) {
         return;
     }
-#ifdef TEMPORAL_2X2
-    let pixel = 2u * (tile.origin + id.xy) + quarter.pixel;
+#ifdef SUBSET
+    let pixel = marched_pixel(subset, tile.origin + id.xy);
 #else
     let pixel = tile.origin + id.xy;
 #endif
@@ -82,7 +84,7 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
         lit = sun_out[index].x;
         weights = sun_out[index].y;
     }
-#ifdef TEMPORAL_2X2
+#ifdef INVERSE_DEPTH
     var depth_sum_m = select(0.0, sun_out[index].z, tile.steps.x > 0u);   // Σ weight·depth
 #endif
     var light_samples = 0u;
@@ -119,7 +121,7 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
 #endif
         lit += weight * visibility;
         weights += weight;
-#ifdef TEMPORAL_2X2
+#ifdef INVERSE_DEPTH
         depth_sum_m += weight * dot(p - frame.camera_position_m, frame.camera_forward);
 #endif
 #ifdef AMBIENT
@@ -135,7 +137,7 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
     if end < steps {
         radiance_out[index] = vec4f(ambient_sum, transmittance);
         sun_out[index] = vec4f(lit, weights, 0.0, 0.0);
-#ifdef TEMPORAL_2X2
+#ifdef INVERSE_DEPTH
         sun_out[index].z = depth_sum_m;
 #endif
         return;
@@ -149,7 +151,7 @@ fn march(@builtin(global_invocation_id) id: vec3u) {
 #endif
     radiance_out[index] = vec4f(radiance, 1.0 - transmittance);
     sun_out[index] = vec4f(sun, select(0.0, lit / weights, weights > 0.0));
-#ifdef TEMPORAL_2X2
-    nearness_out[index] = select(0.0, weights / depth_sum_m, depth_sum_m > 0.0);
+#ifdef INVERSE_DEPTH
+    inverse_depth_out[index] = select(0.0, weights / depth_sum_m, depth_sum_m > 0.0);
 #endif
 }

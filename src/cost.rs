@@ -10,7 +10,7 @@ pub struct PassTimes {
     pub generate: Option<f64>,
     /// The view march, all tiles.
     pub march: Option<f64>,
-    /// What temporal integration adds to the pixels it marched; `None` where every pixel is marched.
+    /// The passes after the march that make the picture of what was marched; `None` where there are none.
     pub reconstruct: Option<f64>,
     /// From submission to completion, seen from the CPU; of frames in flight together an equal share, recording included.
     pub wall: f64,
@@ -36,6 +36,15 @@ pub struct Counts {
     pub look_ups: u64,
     /// Look-ups that fell outside the map and were marched instead.
     pub fallbacks: u64,
+}
+
+/// Whether density samples and look-ups are to be counted: that takes a render of its own, which is not timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counting {
+    /// Count.
+    On,
+    /// Only render.
+    Off,
 }
 
 /// Density samples taken for one picture.

@@ -81,6 +81,7 @@ pub mod problem;
 pub mod progress;
 pub mod provenance;
 pub mod raymarch;
+pub mod reconstruct;
 pub mod report;
 pub mod scene;
 pub mod shader_defs;

@@ -7,12 +7,12 @@ mod program;
 
 use occlab::backend::{Backend, Choice};
 use occlab::config::load_scene;
+use occlab::cost::Counting;
 use occlab::frame::read_frame;
 use occlab::gpu::Sources;
 use occlab::occlusion::MethodSetup;
 use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
-use occlab::truth::Counting;
 use occlab::truth::TruthCache;
 use program::{cells, modified, occlab, refused, report, stderr, without_adapter, workplace};
 use serde_json::{Value, json};
@@ -173,7 +173,7 @@ fn a_method_may_be_run_again_and_keeps_its_last_picture() {
     let setup = MethodSetup::defaults("fom")
         .unwrap()
         .with("resolution", "8");
-    let method = backend.prepare(&view, &setup.unwrap()).unwrap();
+    let method = backend.prepare_full(&view, &setup.unwrap()).unwrap();
     assert!(method.picture().is_err() && method.counts(&mut unwatched).is_err());
     method.run(&mut unwatched).unwrap();
     let (first, counts) = (

@@ -6,9 +6,10 @@ mod common;
 #[path = "common/program.rs"]
 mod program;
 
+use occlab::cost::Counting;
 use occlab::frame::read_frame;
 use occlab::progress::unwatched;
-use occlab::truth::{Counting, Truth, TruthCache, on_device};
+use occlab::truth::{Truth, TruthCache, on_device};
 use program::{batch, cells, modified, refused, report, stderr, workplace};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

@@ -115,7 +115,7 @@ fn named_values(setup: &MethodSetup) {
     let names = setup.method.value_names(&setup.params).unwrap();
     assert_eq!(
         names.len(),
-        plan.map_values.unwrap_or(0) as usize,
+        plan.map_values().unwrap_or(0) as usize,
         "{setup:?}"
     );
     let distinct: HashSet<_> = names.iter().filter(|name| !name.is_empty()).collect();

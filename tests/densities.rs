@@ -8,8 +8,8 @@ use common::{box_scene, containers, cumulus, on_gpu, relative_rmse, render_view,
 use occlab::config::schema;
 use occlab::density::{ControlValue, Density};
 use occlab::frame::Frame;
-use occlab::occlusion::Registry;
 use occlab::oracle::{Options, Oracle};
+use occlab::reconstruct::Registry;
 use occlab::scene::{Container, Scene};
 use std::collections::HashSet;
 use std::path::Path;

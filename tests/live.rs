@@ -100,7 +100,7 @@ fn exact(updates: &[Update], wanted: What) -> &Frame {
 fn rendered(scene: Scene, setup: MethodSetup) -> Frame {
     common::on_gpu(move |renderer| {
         let view = renderer.view(&scene, IMAGE).unwrap();
-        let prepared = renderer.prepare(&view, &setup).unwrap();
+        let prepared = renderer.prepare_full(&view, &setup).unwrap();
         prepared.run(&renderer.gpu, &mut unwatched).unwrap();
         view.read(&renderer.gpu).unwrap()
     })
@@ -250,7 +250,7 @@ fn tiles_of_any_length_make_the_same_picture() {
                 ..Tiling::BATCH
             };
             let view = renderer.view(&scene(), IMAGE).unwrap();
-            let prepared = renderer.prepare(&view, &setup).unwrap();
+            let prepared = renderer.prepare_full(&view, &setup).unwrap();
             let mut shares = Vec::new();
             prepared
                 .run(&renderer.gpu, &mut |share| {

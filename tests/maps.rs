@@ -98,7 +98,7 @@ fn columns_hold_what_the_equations_say() {
         ) in texel_trials()
         {
             let setup = map(id, params);
-            let prepared = renderer.prepare(&view, &setup).unwrap();
+            let prepared = renderer.prepare_full(&view, &setup).unwrap();
             prepared.run(&renderer.gpu, &mut unwatched).unwrap();
             let texels = prepared.map_texels(&renderer.gpu).unwrap().unwrap();
             assert_eq!(texels.resolution, EDGE);
@@ -137,7 +137,10 @@ fn memory_follows_from_values_and_format() {
             for (storage, bytes) in [("f16", 2), ("f32", 4)] {
                 for resolution in [1, 64, 100] {
                     let text = format!("{extra} storage={storage} resolution={resolution}");
-                    let memory = renderer.prepare(&view, &setup(id, &text)).unwrap().memory;
+                    let memory = renderer
+                        .prepare_full(&view, &setup(id, &text))
+                        .unwrap()
+                        .memory;
                     let texels = resolution * resolution;
                     assert_eq!(memory.payload_bytes, values * bytes * texels, "{id} {text}");
                     let channels = if values == 1 && (single || bytes == 4) {
@@ -154,7 +157,7 @@ fn memory_follows_from_values_and_format() {
             .map(|m| m.info().id)
             .filter(|id| !has_map(id))
         {
-            let memory = renderer.prepare(&view, &setup(id, "")).unwrap().memory;
+            let memory = renderer.prepare_full(&view, &setup(id, "")).unwrap().memory;
             assert_eq!((memory.payload_bytes, memory.map_bytes), (0, 0), "{id}");
         }
     });

@@ -5,7 +5,7 @@ mod common;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use occlab::density::Density;
 use occlab::gpu::{
-    Defs, Leaf, Program, Scalar, Sources, UniformValue, compose_point, pack, struct_leaves,
+    Defs, Leaf, Program, Scalar, Sources, UniformValue, compose, compose_point, pack, struct_leaves,
 };
 use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::param::ParamKind;
@@ -164,10 +164,24 @@ fn every_method_composes_in_every_surrounding() {
             &["COUNT"],
             &["SKY", "AMBIENT"],
             &["INTEGRATION_THESIS"],
-            &["TEMPORAL_2X2"],
-            &["TEMPORAL_2X2", "COUNT", "SKY", "AMBIENT"],
+            &["SUBSET"],
+            &["SUBSET", "INVERSE_DEPTH", "COUNT", "SKY", "AMBIENT"],
         ] {
             compose_all(&setup, &fields()[0], &flags(extra), false);
+        }
+    }
+}
+
+#[test]
+fn every_pass_of_a_reconstruction_composes() {
+    for reconstruction in occlab::reconstruct::REGISTRY {
+        for entry in reconstruction.info().shaders {
+            let program = Program {
+                entry,
+                roles: Vec::new(),
+                defs: Defs::new(),
+            };
+            compose(&Sources::embedded(), &program).unwrap();
         }
     }
 }

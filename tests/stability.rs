@@ -212,7 +212,7 @@ fn a_map_of_nothing_is_stored_finite() {
             .filter(|id| has_map(id));
         let stored = maps.map(|id| {
             let setup = setup(id, "resolution=8 storage=f32 steps=16");
-            let prepared = renderer.prepare(&view, &setup).unwrap();
+            let prepared = renderer.prepare_full(&view, &setup).unwrap();
             prepared.run(&renderer.gpu, &mut unwatched).unwrap();
             let texels = prepared.map_texels(&renderer.gpu).unwrap();
             (id, texels.expect("a map").nonfinite())

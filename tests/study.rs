@@ -294,7 +294,7 @@ fn both_profiles_of_every_shipped_study_are_read() {
         for profile in ["quick", "full"] {
             let study = occlab::config::load_study(&path, profile).unwrap();
             for entry in study.experiments {
-                occlab::config::expand(&entry.experiment, &occlab::occlusion::Registry).unwrap();
+                occlab::config::expand(&entry.experiment, &occlab::reconstruct::Registry).unwrap();
             }
         }
     }

@@ -22,7 +22,8 @@ fn passes_account_for_the_wall_time_of_every_prepared_method() {
         let compared = REGISTRY.iter().map(|m| m.info());
         let compared = compared.filter(|i| [Role::Practical, Role::Floor].contains(&i.role));
         let ids: Vec<_> = compared.map(|info| info.id).collect();
-        let prepare = |id: &&str| renderer.prepare(&view, &common::setup(id, "")).unwrap();
+        let setup = |id: &&str| common::setup(id, "");
+        let prepare = |id| renderer.prepare_full(&view, &setup(id)).unwrap();
         let prepared: Vec<_> = ids.iter().map(prepare).collect();
         for round in 0..2 {
             for (id, method) in ids.iter().zip(&prepared) {
@@ -53,7 +54,9 @@ fn frames_in_flight_are_all_timed_and_fill_their_wall_time() {
             "method", "frames", "passes, ms", "wall, ms"
         );
         for (id, set) in [("srm", "steps=20"), ("bsm", "resolution=64")] {
-            let prepared = renderer.prepare(&view, &common::setup(id, set)).unwrap();
+            let prepared = renderer
+                .prepare_full(&view, &common::setup(id, set))
+                .unwrap();
             let one = prepared.run(gpu, &mut unwatched).unwrap();
             let picture = view.read(gpu).unwrap();
             for frames in [1, 2, 4, 8, 16, 160] {

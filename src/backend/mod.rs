@@ -6,11 +6,12 @@
 //! maps are those that a device would allocate.
 
 mod prepared;
-mod temporal;
+mod sequence;
 
 pub use prepared::Prepared;
-pub use temporal::{History, history_bytes};
+pub use sequence::Sequence;
 
+use crate::cost::Counting;
 use crate::cost::PassTimes;
 use crate::environment::{Environment, host, program};
 use crate::error::Result;
@@ -21,8 +22,9 @@ use crate::oracle::Oracle;
 use crate::progress::Progress;
 use crate::provenance;
 use crate::raymarch::{self, Renderer};
+use crate::reconstruct;
 use crate::scene::{ImageSize, Scene};
-use crate::truth::{self, Counting, Truth, TruthCache};
+use crate::truth::{self, Truth, TruthCache};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -156,9 +158,20 @@ impl Backend {
         })
     }
 
-    /// Makes a method ready in a view of this backend.
-    pub fn prepare<'v>(&'v self, view: &'v View, setup: &MethodSetup) -> Result<Prepared<'v>> {
-        Prepared::new(self, view, setup)
+    /// Makes a method ready in a view of this backend, for the next frames of a sequence.
+    pub fn prepare<'v>(
+        &'v self,
+        view: &'v View,
+        setup: &MethodSetup,
+        sequence: &Sequence,
+    ) -> Result<Prepared<'v>> {
+        Prepared::new(self, view, setup, sequence)
+    }
+
+    /// The same for pictures of which every pixel is marched.
+    pub fn prepare_full<'v>(&'v self, view: &'v View, setup: &MethodSetup) -> Result<Prepared<'v>> {
+        let sequence = self.sequence(reconstruct::full(), view.image)?;
+        Prepared::new(self, view, setup, &sequence)
     }
 
     /// One picture, start to end.
@@ -170,7 +183,7 @@ impl Backend {
         progress: Progress,
     ) -> Result<(Frame, PassTimes)> {
         let view = self.view(scene, image)?;
-        let prepared = self.prepare(&view, setup)?;
+        let prepared = self.prepare_full(&view, setup)?;
         let times = prepared.run(progress)?;
         Ok((prepared.picture()?, times))
     }

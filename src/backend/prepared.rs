@@ -1,7 +1,8 @@
 //! A method made ready in a view, on either backend.
 
-use super::temporal::Temporal;
+use super::sequence::{Sequence, SequenceKind};
 use super::{Backend, View, ViewKind};
+use crate::cost::Counting;
 use crate::cost::{Counts, Memory, PassTimes};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -9,14 +10,17 @@ use crate::occlusion::MethodSetup;
 use crate::oracle::{Options, Oracle};
 use crate::progress::{Progress, unwatched};
 use crate::raymarch::{self, MapTexels, Renderer, planned_memory};
-use std::cell::RefCell;
+use crate::reconstruct::{OracleSequence, Reconstruction};
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
 use std::time::Instant;
 
-/// See the module.
+/// A method in a view, which renders the next frames of a sequence.
 pub struct Prepared<'v> {
-    /// Memory of the method.
+    /// Memory of the method, without what the sequence remembers.
     pub memory: Memory,
     setup: MethodSetup,
+    reconstruction: &'static dyn Reconstruction,
     kind: Kind<'v>,
 }
 
@@ -28,10 +32,10 @@ enum Kind<'v> {
     },
     Oracle {
         oracle: &'v Oracle,
-        /// What the last run made.
-        made: RefCell<Option<(Frame, Counts)>>,
+        sequence: Rc<RefCell<Box<dyn OracleSequence>>>,
+        /// Of the last frame.
+        counts: Cell<Option<Counts>>,
     },
-    Temporal(Temporal<'v>),
 }
 
 /// A view was handed to a backend that did not make it.
@@ -43,53 +47,58 @@ pub(super) fn stranger() -> Error {
 }
 
 impl<'v> Prepared<'v> {
-    pub(super) fn new(backend: &'v Backend, view: &'v View, setup: &MethodSetup) -> Result<Self> {
-        let (memory, kind) = match (backend, &view.kind) {
-            (Backend::Device(renderer), ViewKind::Device(view)) => {
-                let prepared = Box::new(renderer.prepare(view, setup)?);
+    pub(super) fn new(
+        backend: &'v Backend,
+        view: &'v View,
+        setup: &MethodSetup,
+        sequence: &Sequence,
+    ) -> Result<Self> {
+        let (memory, kind) = match (backend, &view.kind, &sequence.kind) {
+            (Backend::Device(renderer), ViewKind::Device(view), SequenceKind::Device(sequence)) => {
+                let prepared = renderer.prepare(view, setup, sequence, Counting::Off)?;
                 let memory = prepared.memory;
                 let kind = Kind::Device {
                     renderer,
                     view,
-                    prepared,
+                    prepared: Box::new(prepared),
                 };
                 (memory, kind)
             }
-            (Backend::Oracle(_), ViewKind::Oracle(oracle)) => {
+            (Backend::Oracle(_), ViewKind::Oracle(oracle), SequenceKind::Oracle(sequence)) => {
                 // What cannot be prepared is refused here, not in the middle of a round.
                 oracle.prepare(setup, Options::stored(setup))?;
-                let made = RefCell::default();
-                (planned_memory(setup)?, Kind::Oracle { oracle, made })
+                let kind = Kind::Oracle {
+                    oracle,
+                    sequence: sequence.clone(),
+                    counts: Cell::new(None),
+                };
+                (planned_memory(setup)?, kind)
             }
             _ => return Err(stranger()),
         };
         Ok(Self {
             memory,
             setup: setup.clone(),
+            reconstruction: sequence.reconstruction,
             kind,
         })
     }
 
-    pub(super) fn temporal(memory: Memory, setup: &MethodSetup, temporal: Temporal<'v>) -> Self {
-        Self {
-            memory,
-            setup: setup.clone(),
-            kind: Kind::Temporal(temporal),
-        }
-    }
-
-    /// Renders once, or the next frame of a sequence. On the oracle the map is marched anew, and only the wall time is known.
+    /// Renders the next frame. On the oracle the map is marched anew, and only the wall time is known.
     pub fn run(&self, progress: Progress) -> Result<PassTimes> {
         match &self.kind {
-            Kind::Temporal(temporal) => temporal.run(&self.setup, progress),
             Kind::Device {
                 renderer, prepared, ..
             } => prepared.run(&renderer.gpu, progress),
-            Kind::Oracle { oracle, made } => {
+            Kind::Oracle {
+                oracle,
+                sequence,
+                counts,
+            } => {
                 let start = Instant::now();
                 let method = oracle.prepare(&self.setup, Options::stored(&self.setup))?;
-                let result = method.render(progress)?;
-                *made.borrow_mut() = Some(result);
+                let made = sequence.borrow_mut().render(&method, progress)?;
+                counts.set(Some(made));
                 Ok(PassTimes {
                     wall: start.elapsed().as_secs_f64() * 1e3,
                     ..PassTimes::default()
@@ -98,11 +107,10 @@ impl<'v> Prepared<'v> {
         }
     }
 
-    /// Renders `frames` pictures, or the next frames of a sequence, without waiting between them; the times of each. `meanwhile`
-    /// is called while they are under way, on the oracle before them. Run once before.
+    /// Renders the next `frames` frames without waiting between them; the times of each. `meanwhile` is called while they are
+    /// under way, on the oracle before them. Run once before.
     pub fn repeat(&self, frames: u32, meanwhile: impl FnOnce()) -> Result<Vec<PassTimes>> {
         match &self.kind {
-            Kind::Temporal(temporal) => temporal.repeat(&self.setup, frames, meanwhile),
             Kind::Device {
                 renderer, prepared, ..
             } => prepared.repeat(&renderer.gpu, frames, meanwhile),
@@ -113,47 +121,46 @@ impl<'v> Prepared<'v> {
         }
     }
 
-    /// The picture of the last run. A device keeps one for each view: ask before another method runs there.
+    /// The picture of the last frame. A view of a device has one for all methods whose pictures are marched whole: ask before
+    /// another runs there.
     pub fn picture(&self) -> Result<Frame> {
         match &self.kind {
-            Kind::Temporal(temporal) => temporal.picture(),
-            Kind::Device { renderer, view, .. } => view.read(&renderer.gpu),
-            Kind::Oracle { made, .. } => match &*made.borrow() {
-                Some((frame, _)) => Ok(frame.clone()),
-                None => Err(unrendered()),
-            },
+            Kind::Device {
+                renderer, prepared, ..
+            } => prepared.picture(&renderer.gpu),
+            Kind::Oracle { sequence, .. } => {
+                // Borrowed while a frame is under way, which has no picture yet.
+                let made = sequence.try_borrow().ok();
+                made.and_then(|s| s.picture()).ok_or_else(unrendered)
+            }
         }
     }
 
-    /// The light map of the last run; `None` for a method without one, for frames of a sequence, and on the oracle, which
-    /// keeps none.
+    /// The light map of the last run; `None` for a method without one, and on the oracle, which keeps none.
     pub fn map_texels(&self) -> Result<Option<MapTexels>> {
         match &self.kind {
             Kind::Device {
                 renderer, prepared, ..
             } => prepared.map_texels(&renderer.gpu),
-            Kind::Temporal(_) | Kind::Oracle { .. } => Ok(None),
+            Kind::Oracle { .. } => Ok(None),
         }
     }
 
-    /// Counts of one picture, or of one frame of a sequence, and the seconds that counting took: a pass of its own on a
-    /// device, nothing on the oracle, which counts as it renders.
+    /// Counts of one frame, and the seconds that counting took: on a device passes of their own, those of a sequence's first
+    /// frame; nothing on the oracle, which counts as it renders.
     pub fn counts(&self, progress: Progress) -> Result<(Counts, f64)> {
         match &self.kind {
-            Kind::Temporal(temporal) => temporal.counts(&self.setup, progress),
             Kind::Device { renderer, view, .. } => {
-                let counting = renderer.prepare_counting(view, &self.setup)?;
+                let sequence = self.reconstruction.on_device(&renderer.gpu, view.image)?;
+                let counting = renderer.prepare(view, &self.setup, &sequence, Counting::On)?;
                 let times = counting.run(&renderer.gpu, progress)?;
                 Ok((counting.counts(&renderer.gpu)?, times.wall * 1e-3))
             }
-            Kind::Oracle { made, .. } => match &*made.borrow() {
-                Some((_, counts)) => Ok((*counts, 0.0)),
-                None => Err(unrendered()),
-            },
+            Kind::Oracle { counts, .. } => Ok((counts.get().ok_or_else(unrendered)?, 0.0)),
         }
     }
 }
 
-pub(super) fn unrendered() -> Error {
+fn unrendered() -> Error {
     Error::defect("backend", "a picture was asked for before it was rendered")
 }

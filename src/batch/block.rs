@@ -13,15 +13,16 @@ use super::record::{Cell, Measured, Reference};
 use super::rounds::{self, Round};
 use super::view_steps::view_step_error;
 use super::{Event, Observer, Task, flicker, reconstruct, stage, tell};
-use crate::backend::{Prepared, View, history_bytes};
+use crate::backend::{Prepared, View};
 use crate::config::{CellSpec, View as MatrixView};
+use crate::cost::Counting;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::metrics::{ErrorNumbers, compare};
 use crate::occlusion::MethodSetup;
 use crate::progress::unwatched;
 use crate::scene::ImageSize;
-use crate::truth::{Counting, Truth};
+use crate::truth::Truth;
 use serde_json::json;
 use std::collections::HashMap;
 
@@ -200,7 +201,7 @@ impl<'a> Bench<'a> {
                 Ok(run) => {
                     let image = self.matrix.image;
                     bytes += run.prepared.memory.map_bytes + frame_bytes(image);
-                    bytes += history_bytes(spec.reconstruct, image);
+                    bytes += spec.reconstruct.history_bytes(image);
                     runs.push(run);
                 }
                 Err(error) => record_failure(self.task, self.matrix, spec, &error, observe)?,
@@ -227,7 +228,8 @@ impl<'a> Bench<'a> {
     fn prepare(&self, spec: &'a CellSpec) -> Result<Run<'a>> {
         let setup = setup(spec)?;
         let backend = self.task.backend;
-        let prepared = backend.prepare_as(self.view, &setup, spec.reconstruct)?;
+        let sequence = backend.sequence(spec.reconstruct, self.matrix.image)?;
+        let prepared = backend.prepare(self.view, &setup, &sequence)?;
         Ok(Run {
             spec,
             setup,
@@ -370,7 +372,7 @@ impl<'a> Bench<'a> {
         if let Some(known) = self.floors.get(&key) {
             return Ok(Some(*known));
         }
-        let prepared = self.task.backend.prepare(self.view, &floor)?;
+        let prepared = self.task.backend.prepare_full(self.view, &floor)?;
         let times = prepared.run(&mut unwatched)?;
         self.passes_s += times.wall * 1e-3;
         let error = compare(&self.truth.frame, &prepared.picture()?)?

@@ -10,12 +10,13 @@ use super::record::{Cell, Measured, TrackRecord};
 use super::{Event, Observer, Task, stage, tell};
 use crate::backend::View;
 use crate::config::{CellSpec, View as MatrixView};
+use crate::cost::Counting;
 use crate::error::{Error, Result};
 use crate::metrics::{ErrorNumbers, Flicker};
 use crate::occlusion::MethodSetup;
 use crate::progress::unwatched;
 use crate::scene::Track;
-use crate::truth::{Counting, Truth};
+use crate::truth::Truth;
 
 /// A cell on the move: its number so far, or why it has none.
 struct Case {
@@ -138,7 +139,7 @@ fn run_case(task: &Task, view: &View, truth: &Truth, case: &mut Case) -> Result<
         return Ok(0.0);
     };
     let mut add = || -> Result<f64> {
-        let prepared = task.backend.prepare(view, &case.setup)?;
+        let prepared = task.backend.prepare_full(view, &case.setup)?;
         let times = prepared.run(&mut unwatched)?;
         flicker.add(&truth.frame, &prepared.picture()?)?;
         Ok(times.wall * 1e-3)

@@ -214,7 +214,7 @@ fn text(path: &Path) -> String {
 mod tests {
     use super::*;
     use crate::config::{expand, parse_experiment};
-    use crate::occlusion::Registry;
+    use crate::reconstruct::Registry;
 
     #[test]
     fn a_path_is_relative_to_the_folder_of_the_report() {

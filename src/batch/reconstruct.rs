@@ -1,23 +1,23 @@
-//! What temporal integration costs a picture: each temporal cell along a movement of the camera, every frame against the
-//! full render of that frame by the same method, so that nothing but reconstruction differs.
+//! What a reconstruction costs a picture: at rest, and of frames that know of those before each along a movement of the
+//! camera, every frame against the full render of that frame by the same method, so that nothing but reconstruction differs.
 //!
-//! A movement begins at rest: four frames of the scene as it is make the first picture, so that the curve shows ghosting
-//! come up, and not a history fill. Runs after the timed rounds, as flicker does, and joins the record when it is over.
+//! A movement begins at rest: frames of the scene as it is make the first picture, so that the curve shows ghosting come up,
+//! and not a history fill. Runs after the timed rounds, as flicker does, and joins the record when it is over.
 
 use super::block::BLOCK_BYTES;
 use super::cell::setup;
-use super::record::{Cell, Ghosting, Measured, Reconstruction};
+use super::record::{Cell, Ghosting, Measured, ReconstructionNumbers};
 use super::{Event, Observer, Task, stage, tell};
-use crate::backend::{History, Prepared, View, history_bytes};
+use crate::backend::{Prepared, Sequence, View};
 use crate::config::{CellSpec, View as MatrixView};
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::metrics::ghosting;
 use crate::occlusion::MethodSetup;
 use crate::progress::unwatched;
-use crate::scene::{CameraTrack, ImageSize, Reconstruct, Track};
+use crate::scene::{CameraTrack, ReconstructionInfo, Track};
 
-/// A temporal cell on the move.
+/// A cell on the move.
 struct Case {
     cell: Cell,
     /// Its frames so far, or why it has no numbers.
@@ -26,15 +26,16 @@ struct Case {
 
 struct Moving {
     setup: MethodSetup,
-    history: History,
+    reconstruct: &'static ReconstructionInfo,
+    sequence: Sequence,
     /// Error of each frame.
     rel_rmse: Vec<f64>,
 }
 
-/// Runs a prepared cell until a resting camera sees the whole picture, but for the last frame; returns the seconds.
-pub(super) fn fill(prepared: &Prepared, reconstruct: Reconstruct) -> Result<f64> {
+/// Runs a prepared cell until the picture of a resting camera changes no more, but for the last frame; returns the seconds.
+pub(super) fn fill(prepared: &Prepared, reconstruct: &ReconstructionInfo) -> Result<f64> {
     let mut passes_s = 0.0;
-    for _ in 1..reconstruct.frames() {
+    for _ in 1..reconstruct.rest.frames {
         passes_s += prepared.run(&mut unwatched)?.wall * 1e-3;
     }
     Ok(passes_s)
@@ -47,16 +48,16 @@ pub(super) fn at_rest(
     spec: &CellSpec,
     setup: &MethodSetup,
     frame: &Frame,
-) -> Result<Option<(Reconstruction, f64)>> {
+) -> Result<Option<(ReconstructionNumbers, f64)>> {
     if spec.reconstruct.is_full() {
         return Ok(None);
     }
-    let full = task.backend.prepare(view, setup)?;
+    let full = task.backend.prepare_full(view, setup)?;
     let passes_s = full.run(&mut unwatched)?.wall * 1e-3;
-    let record = Reconstruction {
+    let record = ReconstructionNumbers {
         full_rel_rmse: ghosting(&full.picture()?, frame)?,
-        history_bytes: history_bytes(spec.reconstruct, view.image),
-        ..Reconstruction::default()
+        history_bytes: spec.reconstruct.history_bytes(view.image),
+        ..ReconstructionNumbers::default()
     };
     Ok(Some((record, passes_s)))
 }
@@ -70,7 +71,10 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
             open.extend(open_cell(task, matrix, spec, *track)?.map(|cell| (spec, cell)));
         }
         while !open.is_empty() {
-            let rest = open.split_off(open.len().min(histories_held(matrix.image)));
+            let bytes = open
+                .iter()
+                .map(|(spec, _)| spec.reconstruct.history_bytes(matrix.image));
+            let rest = open.split_off(open.len().min(histories_held(bytes.max())));
             let mut cases = Vec::new();
             for (spec, cell) in open {
                 let moving = noted(moving(task, matrix, spec))?;
@@ -86,19 +90,22 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
     Ok(passes_s)
 }
 
-/// Histories that fit the bytes of a block, at least one.
-fn histories_held(image: ImageSize) -> usize {
-    let each = history_bytes(Reconstruct::Temporal2x2, image).max(1);
+/// Histories of at most `bytes` each that fit the bytes of a block, at least one.
+fn histories_held(bytes: Option<u64>) -> usize {
+    let each = bytes.unwrap_or_default().max(1);
     usize::try_from(BLOCK_BYTES / each).map_or(usize::MAX, |n| n.max(1))
 }
 
-/// The cell's record, when it is temporal and has numbers, but neither these nor a note why not.
+/// The cell's record, when its frames know of those before and it has numbers, but neither these nor a note why not.
 fn open_cell(
     task: &Task,
     matrix: &MatrixView,
     spec: &CellSpec,
     track: CameraTrack,
 ) -> Result<Option<Cell>> {
+    if spec.reconstruct.history.is_none() {
+        return Ok(None);
+    }
     let cell = task.store.cell(&task.identity.cell(matrix, spec))?;
     let open = |result: &Measured| {
         let start = note(track, "");
@@ -113,7 +120,8 @@ fn open_cell(
 fn moving(task: &Task, matrix: &MatrixView, spec: &CellSpec) -> Result<Moving> {
     Ok(Moving {
         setup: setup(spec)?,
-        history: task.backend.history(matrix.image)?,
+        reconstruct: spec.reconstruct,
+        sequence: task.backend.sequence(spec.reconstruct, matrix.image)?,
         rel_rmse: Vec::new(),
     })
 }
@@ -157,7 +165,7 @@ fn run_track(
     Ok(passes_s)
 }
 
-/// One frame of one case, at `rest` the four that fill its history; returns the seconds of its passes.
+/// One frame of one case, at `rest` all that fill its history; returns the seconds of its passes.
 fn run_case(task: &Task, view: &View, rest: bool, case: &mut Case) -> Result<f64> {
     let Ok(moving) = &mut case.moving else {
         return Ok(0.0);
@@ -178,17 +186,17 @@ fn run_frame(
     moving: &Moving,
     passes_s: &mut f64,
 ) -> Result<f64> {
-    let full = task.backend.prepare(view, &moving.setup)?;
+    let full = task.backend.prepare_full(view, &moving.setup)?;
     *passes_s += full.run(&mut unwatched)?.wall * 1e-3;
     let full = full.picture()?;
-    let temporal = task
+    let next = task
         .backend
-        .prepare_temporal(view, &moving.setup, &moving.history)?;
+        .prepare(view, &moving.setup, &moving.sequence)?;
     if rest {
-        *passes_s += fill(&temporal, Reconstruct::Temporal2x2)?;
+        *passes_s += fill(&next, moving.reconstruct)?;
     }
-    *passes_s += temporal.run(&mut unwatched)?.wall * 1e-3;
-    ghosting(&full, &temporal.picture()?)
+    *passes_s += next.run(&mut unwatched)?.wall * 1e-3;
+    ghosting(&full, &next.picture()?)
 }
 
 /// Adds the curve, or why there is none, to the cell's record.
@@ -234,18 +242,12 @@ mod tests {
 
     #[test]
     fn histories_held_at_once_fit_a_block() {
-        let held = |width, height| histories_held(ImageSize { width, height });
-        let bytes = history_bytes(
-            Reconstruct::Temporal2x2,
-            ImageSize {
-                width: 1920,
-                height: 1080,
-            },
-        );
-        let n = held(1920, 1080) as u64;
+        let held = |bytes| histories_held(Some(bytes));
+        let bytes = 1920 * 1080 * 72;
+        let n = held(bytes) as u64;
         assert!(n * bytes <= BLOCK_BYTES && (n + 1) * bytes > BLOCK_BYTES);
-        assert_eq!(held(8192, 8192), 1, "one is always tried");
-        assert!(held(2, 2) > 1000);
+        assert_eq!(held(8192 * 8192 * 72), 1, "one is always tried");
+        assert!(held(2 * 2 * 72) > 1000 && histories_held(None) > 1000);
     }
 
     #[test]

@@ -5,7 +5,8 @@ use crate::cost::{Memory, Samples};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::metrics::{ErrorNumbers, Stats};
-use crate::scene::{CameraTrack, ImageSize, Reconstruct, Track};
+use crate::reconstruct;
+use crate::scene::{CameraTrack, ImageSize, ReconstructionInfo, Track};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -156,10 +157,15 @@ pub struct Cell {
     pub method: String,
     /// Every parameter of the method that applies at this setting, defaults included.
     pub params: Map<String, Value>,
-    /// How its pictures come about; absent = `full`. The picture of a temporal cell is that of a camera at rest, after
-    /// four frames; its times and samples are those of one frame.
-    #[serde(default, skip_serializing_if = "Reconstruct::is_full")]
-    pub reconstruct: Reconstruct,
+    /// How its pictures come about; absent = `full`. The picture is that of a camera at rest, after as many frames as it takes
+    /// until it changes no more; times and samples are those of one frame.
+    #[serde(
+        default = "reconstruct::full",
+        deserialize_with = "reconstruct::deserialize",
+        skip_serializing_if = "ReconstructionInfo::is_full"
+    )]
+    #[schemars(schema_with = "reconstruct::schema")]
+    pub reconstruct: &'static ReconstructionInfo,
     /// Backend and adapter type that produced the times.
     pub backend: String,
     /// Image size.
@@ -207,9 +213,9 @@ pub struct Measured {
     /// The error's three parts, where the experiment asks for them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub decomposition: Option<Decomposition>,
-    /// What temporal integration takes and loses; absent for `full`.
+    /// What the reconstruction takes and loses; absent for `full`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub reconstruction: Option<Reconstruction>,
+    pub reconstruction: Option<ReconstructionNumbers>,
     /// Numbers that were asked for and could not be had, and why; such a number is `null` and is not tried again.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -248,21 +254,21 @@ pub struct Decomposition {
     pub noise_filter: Option<String>,
 }
 
-/// What temporal integration takes and loses. Its errors are relative RMSE of the sun-lit radiance against the full render
+/// What a reconstruction takes and loses. Its errors are relative RMSE of the sun-lit radiance against the full render
 /// of the same frame by the same method, over pixels where either shows cloud ([`crate::metrics::ghosting`]).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Reconstruction {
-    /// Error of a camera at rest, after as many frames as march every pixel once.
+pub struct ReconstructionNumbers {
+    /// Error of a camera at rest, once the picture changes no more.
     pub full_rel_rmse: f64,
-    /// Error of a moving camera, along each movement that the experiment asks for.
+    /// Error of a moving camera, along each movement that the experiment asks for; only for frames that remember those before.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub ghosting: BTreeMap<CameraTrack, Ghosting>,
-    /// Bytes of the pictures that it remembers.
+    /// Bytes that it remembers from frame to frame.
     pub history_bytes: u64,
 }
 
-/// What temporal integration loses along one movement of the camera.
+/// What a reconstruction loses along one movement of the camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ghosting {

@@ -177,7 +177,7 @@ fn row(cell: &Cell, clock: Clock) -> String {
         .params
         .iter()
         .map(|(k, v)| format!("{k}={}", v.as_str().map_or(v.to_string(), str::to_owned)))
-        .chain((!cell.reconstruct.is_full()).then(|| cell.reconstruct.name().to_owned()))
+        .chain((!cell.reconstruct.is_full()).then(|| cell.reconstruct.id.to_owned()))
         .collect();
     let start = format!(
         "{:<16} {:>3}° {:<6}",

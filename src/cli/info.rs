@@ -138,7 +138,7 @@ pub fn adapters(options: &Json) -> anyhow::Result<ExitCode> {
 }
 
 pub fn schema() -> anyhow::Result<ExitCode> {
-    let schema = occlab::config::schema(&occlab::occlusion::Registry);
+    let schema = occlab::config::schema(&occlab::reconstruct::Registry);
     say(serde_json::to_string_pretty(&schema)?)?;
     Ok(ExitCode::SUCCESS)
 }

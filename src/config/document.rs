@@ -248,6 +248,16 @@ impl Document {
         )
     }
 
+    /// An error about a `value` at `pointer` that is not what `schema` allows.
+    pub(super) fn misfit(&self, pointer: &str, value: &Value, schema: &Value) -> Error {
+        let fault = wanted::fault(schema, value, "", "");
+        self.fault(Fault {
+            pointer: format!("{pointer}{}", fault.pointer),
+            remedy: format!("{}{SCHEMA_HINT}", fault.remedy),
+            ..fault
+        })
+    }
+
     /// The value at `pointer` as a `T`.
     pub(super) fn get<T: DeserializeOwned + JsonSchema>(&self, pointer: &str) -> Result<T> {
         let value = self.value.pointer(pointer).unwrap_or(&Value::Null);

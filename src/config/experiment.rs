@@ -14,9 +14,9 @@
 //! `"decompose": true` is optional too: each cell's error is split into model, sampling and precision with f64 pictures
 //! that the oracle renders after the timed rounds.
 //!
-//! `reconstruct`, absent = `"full"`: how pictures come about ([`Reconstruct`]). `ghosting`, `"pan"`, `"dolly"` or both,
-//! absent = none: temporal cells are compared with their full render in each of 16 frames of a moving camera
-//! ([`CameraTrack`]).
+//! `reconstruct`, absent = `"full"`: how pictures come about ([`crate::scene::ReconstructionInfo`]). `ghosting`, `"pan"`,
+//! `"dolly"` or both, absent = none: cells whose frames know of those before are compared with their full render in each of
+//! 16 frames of a moving camera ([`CameraTrack`]).
 //!
 //! A scene is a path relative to the experiment file, or that of a built-in scene, or a whole scene written in its place.
 //!
@@ -29,7 +29,7 @@ use super::locate;
 use super::matrix::MAX_CELLS;
 use super::scenes::{Axis, SceneEntry, scenes};
 use crate::error::Result;
-use crate::scene::{CameraTrack, ImageSize, Reconstruct, Track, check_name};
+use crate::scene::{CameraTrack, ImageSize, Track, check_name};
 use schemars::JsonSchema;
 use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::Value;
@@ -58,8 +58,8 @@ pub struct Experiment {
     /// Movements along which every cell's flicker is measured after its timed rounds; empty = none. Not an axis of the
     /// matrix: all of them are recorded in one cell.
     pub flicker: Vec<Track>,
-    /// Movements along which every temporal cell's ghosting is measured after its timed rounds; empty = none. Not an axis
-    /// of the matrix either.
+    /// Movements along which ghosting is measured after the timed rounds, of every cell whose frames know of those before;
+    /// empty = none. Not an axis of the matrix either.
     pub ghosting: Vec<CameraTrack>,
     /// Split every cell's error into model, sampling and precision after its timed rounds.
     pub decompose: bool,
@@ -67,8 +67,9 @@ pub struct Experiment {
     pub scenes: Vec<SceneEntry>,
     /// Method settings in file order; checked against the catalogue by [`super::expand`]. Never empty.
     pub methods: Vec<MethodEntry>,
-    /// How pictures come about, the fastest axis of the matrix. Never empty.
-    pub reconstruct: Vec<Reconstruct>,
+    /// How pictures come about (each with its pointer in the experiment), the fastest axis of the matrix; checked against the
+    /// catalogue by [`super::expand`]. Empty = every pixel is marched.
+    pub reconstruct: Vec<(String, Value)>,
     document: Document,
 }
 
@@ -158,21 +159,13 @@ pub(super) fn from_document(document: Document) -> Result<Experiment> {
     check_lists(&document)?;
     let shorthands = shorthands(&document, &file)?;
     let reconstruct = match file.reconstruct {
-        None => vec![Reconstruct::Full],
-        Some(_) => distinct(&document, "/reconstruct")?,
+        None => Vec::new(),
+        Some(_) => document.one_or_many("/reconstruct")?,
     };
     let ghosting = match file.ghosting {
         None => Vec::new(),
         Some(_) => distinct(&document, "/ghosting")?,
     };
-    if !ghosting.is_empty() && reconstruct.iter().all(Reconstruct::is_full) {
-        let remedy = "Add `\"reconstruct\": \"temporal_2x2\"`, or remove `ghosting`.";
-        return Err(document.error_at_key(
-            "/ghosting",
-            "every cell is `full`, which has none",
-            remedy,
-        ));
-    }
     let each = |pointer: &str| document.one_or_many(pointer);
     Ok(Experiment {
         images: each("/image")?

@@ -6,12 +6,13 @@
 use super::document::Fault;
 use super::experiment::{Experiment, STEPS_POINTER};
 use super::locate::{self, Part};
-use super::methods::{self, MethodAxes, MethodCatalogue};
+use super::methods::{self, MethodAxes};
+use super::reconstructions::{self, Catalogue};
 use super::scene_of;
 use super::scenes::{Axis, SceneEntry};
 use crate::error::{Error, Result};
 use crate::param::Params;
-use crate::scene::{ImageSize, Reconstruct, Scene};
+use crate::scene::{ImageSize, ReconstructionInfo, Scene};
 use serde_json::{Map, Value};
 use std::collections::HashSet;
 
@@ -50,7 +51,7 @@ pub struct CellSpec {
     /// Every parameter of the method that applies, defaults included.
     pub params: Params,
     /// How its pictures come about.
-    pub reconstruct: Reconstruct,
+    pub reconstruct: &'static ReconstructionInfo,
 }
 
 impl Matrix {
@@ -60,10 +61,11 @@ impl Matrix {
     }
 }
 
-/// Multiplies the lists of `experiment`; checks every method, parameter and resulting scene.
-pub fn expand(experiment: &Experiment, catalogue: &dyn MethodCatalogue) -> Result<Matrix> {
+/// Multiplies the lists of `experiment`; checks every reconstruction, method, parameter and resulting scene.
+pub fn expand(experiment: &Experiment, catalogue: &dyn Catalogue) -> Result<Matrix> {
+    let reconstructions = reconstructions::check(experiment, catalogue)?;
     let methods = methods::check(experiment, catalogue)?;
-    check_size(experiment, &methods)?;
+    check_size(experiment, &methods, reconstructions.len())?;
     let mut matrix = Matrix {
         views: Vec::new(),
         notes: Vec::new(),
@@ -84,7 +86,7 @@ pub fn expand(experiment: &Experiment, catalogue: &dyn MethodCatalogue) -> Resul
                     ));
                     continue;
                 }
-                let each = experiment.reconstruct.len();
+                let each = reconstructions.len();
                 let first = matrix.views.len() * settings.len() * each;
                 let cells = (0..settings.len() * each)
                     .map(|i| {
@@ -93,7 +95,7 @@ pub fn expand(experiment: &Experiment, catalogue: &dyn MethodCatalogue) -> Resul
                             index: first + i,
                             method,
                             params,
-                            reconstruct: experiment.reconstruct[i % each],
+                            reconstruct: reconstructions[i % each],
                         }
                     })
                     .collect();
@@ -114,7 +116,7 @@ fn count(axes: &[Axis]) -> usize {
         .fold(1, |n, axis| n.saturating_mul(axis.values.len()))
 }
 
-fn check_size(experiment: &Experiment, methods: &[MethodAxes]) -> Result<()> {
+fn check_size(experiment: &Experiment, methods: &[MethodAxes], each: usize) -> Result<()> {
     let scenes = experiment
         .scenes
         .iter()
@@ -122,7 +124,7 @@ fn check_size(experiment: &Experiment, methods: &[MethodAxes]) -> Result<()> {
     let settings = methods
         .iter()
         .fold(0_usize, |n, method| n.saturating_add(method.count()))
-        .saturating_mul(experiment.reconstruct.len());
+        .saturating_mul(each);
     let cells = scenes
         .saturating_mul(experiment.images.len())
         .saturating_mul(settings);
@@ -302,9 +304,10 @@ fn params_text(params: &Params) -> String {
 
 /// The parameters, and how pictures come about where a frame is not the whole of it.
 fn cell_text(cell: &CellSpec) -> String {
+    let params = params_text(&cell.params);
     match cell.reconstruct {
-        Reconstruct::Full => params_text(&cell.params),
-        other => format!("{} reconstruct={}", params_text(&cell.params), other.name()),
+        full if full.is_full() => params,
+        other => format!("{params} reconstruct={}", other.id),
     }
 }
 

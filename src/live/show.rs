@@ -117,7 +117,7 @@ impl<'a, 'w> Show<'a, 'w> {
         let prepared = self
             .worker
             .backend
-            .prepare(&view, &preview(setup, factor))?;
+            .prepare_full(&view, &preview(setup, factor))?;
         let (worker, shown) = (&*self.worker, self.shown);
         prepared.run(&mut |_| match shown {
             true => worker.superseded(),
@@ -136,7 +136,7 @@ impl<'a, 'w> Show<'a, 'w> {
     fn exact(&mut self, what: What, setup: &MethodSetup) -> Result<()> {
         let (scene, image) = (&self.request.scene, self.request.image);
         let view: View = self.worker.backend.view(scene, image)?;
-        let prepared = self.worker.backend.prepare(&view, setup)?;
+        let prepared = self.worker.backend.prepare_full(&view, setup)?;
         let mut sent = Instant::now();
         let mut broken = None;
         let ran = prepared.run(&mut |share| {
@@ -195,7 +195,7 @@ impl<'a, 'w> Show<'a, 'w> {
                 coarser(self.request.image, MOST_FACTOR),
             );
             let view = self.worker.backend.view(scene, image)?;
-            let prepared = self.worker.backend.prepare(&view, setup)?;
+            let prepared = self.worker.backend.prepare_full(&view, setup)?;
             prepared.run(&mut unwatched)?;
             let texels = prepared.map_texels()?.map(Arc::new);
             self.send_map(index, texels);

@@ -3,7 +3,8 @@
 use crate::config::{Experiment, expand, load_experiment, load_scene, parse_experiment};
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
-use crate::occlusion::{MethodSetup, Registry};
+use crate::occlusion::MethodSetup;
+use crate::reconstruct::Registry;
 use crate::scene::{ImageSize, Scene};
 use serde_json::{Value, json};
 use std::io::Write;

@@ -112,7 +112,7 @@ impl Worker<'_> {
             return Ok(());
         };
         let view = self.backend.view(&request.scene, request.image)?;
-        let prepared = self.backend.prepare(&view, setup)?;
+        let prepared = self.backend.prepare_full(&view, setup)?;
         loop {
             let times = prepared.run(&mut |_| self.superseded())?;
             let serial = request.serial;
@@ -175,7 +175,7 @@ impl Worker<'_> {
             };
             let view = renderer.view(&request.scene, request.image)?;
             for setup in &request.methods {
-                renderer.prepare(&view, setup)?;
+                renderer.prepare_full(&view, setup)?;
             }
             Ok(())
         });

@@ -15,8 +15,8 @@ pub(super) struct Flip {
     pub p99: f64,
 }
 
-/// ꟻLIP for LDR pictures at [`PIXELS_PER_DEGREE`] (Andersson et al., "FLIP: A Difference Evaluator for Alternating
-/// Images", Proc. ACM CGIT 3(2), 2020), by the authors' code. Both pictures are 8-bit sRGB of `size`, 3 bytes a pixel.
+/// ꟻLIP for LDR pictures at [`PIXELS_PER_DEGREE`] (Andersson et al. 2020), by the authors' code. Both pictures are 8-bit
+/// sRGB of `size`, 3 bytes a pixel.
 pub(super) fn flip((width, height): (u32, u32), reference: &[u8], test: &[u8]) -> Flip {
     let image = |bytes: &[u8]| FlipImageRgb8::with_data(width, height, bytes);
     let map = flip_map(image(reference), image(test), PIXELS_PER_DEGREE).to_vec();

@@ -144,6 +144,11 @@ impl<'a> Occlusion<'a> {
         }
     }
 
+    /// The scene and picture size.
+    pub fn oracle(&self) -> &'a Oracle {
+        self.oracle
+    }
+
     pub(super) fn counted(&self, p: DVec3, rnd: f64, tally: &Tally) -> f64 {
         let Oracle { scene, sun, .. } = self.oracle;
         if ground_blocks(&scene.container, p, *sun) {

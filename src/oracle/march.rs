@@ -8,7 +8,7 @@ use crate::cost::{Counts, Samples};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::progress::Progress;
-use crate::scene::{Integration, March, Scene};
+use crate::scene::{Integration, March, Scene, Subset};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -19,13 +19,13 @@ const ROWS_A_THREAD: usize = 4;
 
 /// What a view ray shows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pixel {
+pub struct Pixel {
     /// Radiance and opacity.
     pub radiance: [f32; 4],
     /// Sunlight and mean V.
     pub sun: [f32; 4],
     /// 1/mean depth along the optical axis, weighted as light, m⁻¹; 0 where there is no medium.
-    pub nearness: f32,
+    pub inverse_depth: f32,
 }
 
 /// Light gathered along one view ray, in units of its sources.
@@ -57,7 +57,7 @@ fn henyey_greenstein(g: f64, cosine: f64) -> f64 {
 
 impl Oracle {
     /// Direction of the ray through a pixel's centre.
-    pub(super) fn direction(&self, column: u32, row: u32) -> DVec3 {
+    pub fn direction(&self, column: u32, row: u32) -> DVec3 {
         let (width, height) = (f64::from(self.image.width), f64::from(self.image.height));
         let (right, up, forward) = self.scene.camera.basis();
         let (half_x, half_y) = self.scene.camera.half_extent(width / height);
@@ -78,7 +78,7 @@ impl Oracle {
         )
     }
 
-    fn nearness(&self, gathered: &Gathered) -> f64 {
+    fn inverse_depth(&self, gathered: &Gathered) -> f64 {
         let camera = &self.scene.camera;
         let (_, _, forward) = camera.basis();
         let mean_m = gathered.points_m / gathered.weights;
@@ -134,38 +134,49 @@ impl Occlusion<'_> {
             radiance: Vec::with_capacity(pixels),
             sun: Vec::with_capacity(pixels),
         };
+        let counts = self.march(Subset::EVERY, progress, |pixels| {
+            let radiance = pixels.iter().map(|pixel| pixel.radiance);
+            frame.radiance.extend(radiance);
+            frame.sun.extend(pixels.iter().map(|pixel| pixel.sun));
+        })?;
+        Ok((frame, counts))
+    }
+
+    /// Marches the pixels of `subset` and returns what that took; `take` is handed those of each row, from the top.
+    pub fn march(
+        &self,
+        subset: Subset,
+        progress: Progress,
+        mut take: impl FnMut(Vec<Pixel>),
+    ) -> Result<Counts> {
+        let rows: Vec<u32> = subset.rows(self.oracle.image).collect();
         let mut counts = Counts::default();
-        let batch = ROWS_A_THREAD * rayon::current_num_threads();
-        for first in (0..height).step_by(batch) {
-            let last = height.min(first.saturating_add(batch as u32));
-            let rows: Vec<_> = (first..last)
-                .into_par_iter()
-                .map(|row| self.row(row))
-                .collect();
-            for (pixels, tally) in rows {
-                frame
-                    .radiance
-                    .extend(pixels.iter().map(|pixel| pixel.radiance));
-                frame.sun.extend(pixels.iter().map(|pixel| pixel.sun));
+        let mut done = 0;
+        for some in rows.chunks(ROWS_A_THREAD * rayon::current_num_threads()) {
+            let made: Vec<_> = some.par_iter().map(|row| self.row(subset, *row)).collect();
+            for (pixels, tally) in made {
+                take(pixels);
                 add(&mut counts, &tally);
             }
-            if progress(f64::from(last) / f64::from(height)) == ControlFlow::Break(()) {
+            done += some.len();
+            if progress(done as f64 / rows.len() as f64) == ControlFlow::Break(()) {
                 return Err(Error::Stopped);
             }
         }
         counts.samples.map = self.map_samples();
-        Ok((frame, counts))
+        Ok(counts)
     }
 
-    fn row(&self, row: u32) -> (Vec<Pixel>, Counts) {
+    fn row(&self, subset: Subset, row: u32) -> (Vec<Pixel>, Counts) {
         let tally = Tally::default();
-        let pixels = (0..self.oracle.image.width)
+        let pixels = subset
+            .columns(self.oracle.image, row)
             .map(|column| self.pixel(column, row, &tally))
             .collect();
         (pixels, tally.counts())
     }
 
-    pub(super) fn pixel(&self, column: u32, row: u32, tally: &Tally) -> Pixel {
+    fn pixel(&self, column: u32, row: u32, tally: &Tally) -> Pixel {
         let oracle = self.oracle;
         let medium = &oracle.scene.medium;
         let direction = oracle.direction(column, row);
@@ -185,7 +196,7 @@ impl Occlusion<'_> {
         Pixel {
             radiance: pack(radiance, 1.0 - gathered.transmittance),
             sun: pack(sun, mean),
-            nearness: oracle.nearness(&gathered) as f32,
+            inverse_depth: oracle.inverse_depth(&gathered) as f32,
         }
     }
 
@@ -234,7 +245,7 @@ impl Occlusion<'_> {
     }
 }
 
-pub(super) fn add(sum: &mut Counts, more: &Counts) {
+fn add(sum: &mut Counts, more: &Counts) {
     let Samples { view, light, .. } = more.samples;
     sum.samples.view += view;
     sum.samples.light += light;

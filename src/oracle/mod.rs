@@ -13,11 +13,10 @@ mod light;
 mod map;
 mod march;
 mod probe;
-mod temporal;
 
 pub use crate::density::Filter;
 pub use light::{Occlusion, Options};
-pub use temporal::History;
+pub use march::Pixel;
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, MAX_PIXELS};
@@ -125,16 +124,6 @@ impl Oracle {
         })
     }
 
-    /// A method in this scene.
-    pub fn prepare(&self, setup: &MethodSetup, options: Options) -> Result<Occlusion<'_>> {
-        Occlusion::new(self, setup, options)
-    }
-
-    /// One picture, start to end.
-    pub fn render(&self, setup: &MethodSetup, options: Options) -> Result<Frame> {
-        Ok(self.prepare(setup, options)?.render(&mut unwatched)?.0)
-    }
-
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
@@ -143,6 +132,16 @@ impl Oracle {
     /// Picture size.
     pub fn image(&self) -> ImageSize {
         self.image
+    }
+
+    /// A method in this scene.
+    pub fn prepare(&self, setup: &MethodSetup, options: Options) -> Result<Occlusion<'_>> {
+        Occlusion::new(self, setup, options)
+    }
+
+    /// One picture, start to end.
+    pub fn render(&self, setup: &MethodSetup, options: Options) -> Result<Frame> {
+        Ok(self.prepare(setup, options)?.render(&mut unwatched)?.0)
     }
 
     /// Identifies imported data; empty for fields that the scene's JSON determines.

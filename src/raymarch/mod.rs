@@ -7,19 +7,21 @@ mod map_format;
 mod map_pass;
 mod map_storage;
 mod map_texels;
+mod picture;
 mod prepared;
-mod temporal;
+mod sequence;
 mod tiles;
 mod view;
 
 pub use map_format::{map_defs, planned_memory};
 pub use map_texels::MapTexels;
+pub use picture::Picture;
 pub use prepared::Prepared;
-pub(crate) use temporal::check_size;
-pub use temporal::{History, Temporal, history_bytes};
+pub use sequence::{AfterPass, DeviceSequence, Frames};
 pub use tiles::Tiling;
 pub use view::View;
 
+use crate::cost::Counting;
 use crate::density::{DeviceField, Surroundings};
 use crate::error::Result;
 use crate::gpu::{ClockWatch, Defs, Gpu, Kernel, Program, Sources};
@@ -163,29 +165,20 @@ impl Renderer {
         View::new(&self.gpu, scene, image, density, inputs)
     }
 
-    /// Compiles and allocates what a method needs in a view.
-    pub fn prepare(&self, view: &View, setup: &MethodSetup) -> Result<Prepared> {
-        Prepared::new(self, view, setup, false, &[])
-    }
-
-    /// The same with counters instead of a clock.
-    pub fn prepare_counting(&self, view: &View, setup: &MethodSetup) -> Result<Prepared> {
-        Prepared::new(self, view, setup, true, &[])
-    }
-
-    /// The same as [`Renderer::prepare`] for frames that march a quarter of the pixels and remember the others.
-    pub fn prepare_temporal(
+    /// Compiles and allocates what a method needs in a view, for the frames of `sequence`: [`Frames::full`], or what a
+    /// reconstruction brings. With counters in the place of a clock where counts are wanted.
+    pub fn prepare(
         &self,
         view: &View,
         setup: &MethodSetup,
-        history: &Rc<History>,
-    ) -> Result<Temporal> {
-        Temporal::new(self, view, setup, history, false)
+        sequence: &Rc<dyn DeviceSequence>,
+        counting: Counting,
+    ) -> Result<Prepared> {
+        Prepared::new(self, view, setup, sequence, counting == Counting::On)
     }
 
-    /// The same with counters: of the first frame alone.
-    pub fn prepare_temporal_counting(&self, view: &View, setup: &MethodSetup) -> Result<Temporal> {
-        let history = History::new(&self.gpu, view.image)?;
-        Temporal::new(self, view, setup, &history, true)
+    /// The same for pictures of which every pixel is marched, by the clock.
+    pub fn prepare_full(&self, view: &View, setup: &MethodSetup) -> Result<Prepared> {
+        self.prepare(view, setup, &Frames::full(), Counting::Off)
     }
 }

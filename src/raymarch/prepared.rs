@@ -1,12 +1,15 @@
-//! A method made ready in a view: kernels, map texture, bind groups; then run as often as wanted.
+//! A method made ready in a view: kernels, map texture, bind groups; then run as often as wanted, each time the next frame
+//! of a sequence.
 
 use super::frame_spans::{FrameSpans, pass_times};
 use super::map_pass::{MapPasses, counts_buffer, offer_counts};
 use super::map_texels::MapTexels;
+use super::sequence::{DeviceSequence, Outputs};
 use super::tiles::{Pass, Tiles};
 use super::{Renderer, View};
 use crate::cost::{Counts, Memory, PassTimes, Samples};
 use crate::error::{Error, Result};
+use crate::frame::Frame;
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, Program, UniformValue, read_buffer};
 use crate::occlusion::MethodSetup;
 use crate::param::ParamValue;
@@ -17,31 +20,28 @@ use std::time::Instant;
 /// Rows of the first tile of a march, whose speed is not known yet.
 const FIRST_TILE_ROWS: u32 = 8;
 
-/// See the module.
+/// A method in a view, its passes compiled and bound.
 pub struct Prepared {
     /// Memory of the method.
     pub memory: Memory,
     map: Option<MapPasses>,
     march: Rc<Kernel>,
-    /// One for each place that the march may write to.
+    /// Bind groups of the march of each turn.
     groups: Vec<Vec<wgpu::BindGroup>>,
+    outputs: Outputs,
     tiles: Tiles,
-    /// Threads of the march along x, y: pixels, or 2 × 2 blocks of them.
-    threads: [u32; 2],
     view_steps: u32,
     steps_a_dispatch: u32,
     march_counts: Option<wgpu::Buffer>,
 }
 
 impl Prepared {
-    /// `quarters`: empty to march every pixel into the view's own picture; else the places where one pixel of every 2 × 2
-    /// block is marched to, see [`super::temporal`].
     pub(super) fn new(
         renderer: &Renderer,
         view: &View,
         setup: &MethodSetup,
+        sequence: &Rc<dyn DeviceSequence>,
         counting: bool,
-        quarters: &[Inputs],
     ) -> Result<Self> {
         let gpu = &renderer.gpu;
         let plan = setup.method.plan(&setup.params)?;
@@ -68,9 +68,8 @@ impl Prepared {
             .allocated_bytes()
             .zip(before)
             .map(|(now, before)| now.saturating_sub(before));
-        if !quarters.is_empty() {
-            defs.insert("TEMPORAL_2X2".into(), None);
-        }
+        let outputs = Outputs::new(renderer, view, sequence)?;
+        outputs.define(&mut defs);
         let program = Program {
             entry: "raymarch.wgsl",
             roles: view.roles(info.shader),
@@ -84,79 +83,81 @@ impl Prepared {
         let first_tile = f64::from(image[0]) * f64::from(FIRST_TILE_ROWS);
         let tiles = Tiles::new(gpu, &mut inputs, renderer.tiling, first_tile);
         let bind = |into| march.bind(gpu, &[into, &inputs, &view.inputs, &view.density.inputs]);
-        let groups = match quarters {
-            [] => vec![bind(&Inputs::default())?],
-            places => places.iter().map(bind).collect::<Result<_>>()?,
-        };
+        let groups = outputs.turns().iter().map(bind).collect::<Result<_>>()?;
         Ok(Self {
             memory,
             map,
             march,
             groups,
+            outputs,
             tiles,
-            threads: match quarters {
-                [] => image,
-                _ => image.map(|side| side.div_ceil(2)),
-            },
             view_steps: view.scene.march.most_steps(),
             steps_a_dispatch: steps_a_dispatch(gpu, view, setup)?,
             march_counts,
         })
     }
 
-    /// Renders once, tile by tile; `progress` hears the share of the view march.
+    /// Renders the next frame, tile by tile; `progress` hears the share of the view march.
     pub fn run(&self, gpu: &Gpu, progress: Progress) -> Result<PassTimes> {
-        self.run_into(gpu, 0, progress)
-    }
-
-    /// The same into one of the places given to [`Prepared::new`].
-    pub(super) fn run_into(
-        &self,
-        gpu: &Gpu,
-        place: usize,
-        progress: Progress,
-    ) -> Result<PassTimes> {
+        let after = self.outputs.bind(gpu)?;
         let start = Instant::now();
         let generate = match &self.map {
             None => None,
             Some(map) => Some(map.fill(gpu, &mut |_| progress(0.0))?),
         };
-        let march = self.tiles.run(gpu, &self.pass(place), progress)?;
-        let wall = start.elapsed().as_secs_f64() * 1e3;
-        Ok(pass_times(generate, march, None, wall))
+        let march = self.tiles.run(gpu, &self.pass(), progress)?;
+        let mut wall = start.elapsed().as_secs_f64() * 1e3;
+        let mut reconstruct = None;
+        if !after.is_empty() {
+            let mut flight = Flight::new(gpu);
+            let spans = self.outputs.record(&mut flight, &after);
+            let finished = flight.finish(|| ())?;
+            reconstruct = Some(finished.pass(&spans));
+            wall += finished.wall_ms;
+        }
+        self.outputs.advance();
+        Ok(pass_times(generate, march, reconstruct, wall))
     }
 
-    /// Renders `frames` pictures one after the other without waiting between them, map and march of each in one submission,
-    /// as an engine does; the times of each. `meanwhile` is called while they are under way. Run once before: how long a pass
-    /// takes, and so whether it must be cut into tiles, is not known earlier.
+    /// Renders the next `frames` frames without waiting between them, all passes of each in one submission, as an engine
+    /// does; the times of each. `meanwhile` is called while they are under way. Run once before: how long a pass takes, and
+    /// so whether it must be cut into tiles, is not known earlier.
     pub fn repeat(
         &self,
         gpu: &Gpu,
         frames: u32,
         meanwhile: impl FnOnce(),
     ) -> Result<Vec<PassTimes>> {
-        fly(gpu, frames, meanwhile, |flight| {
-            Ok(self.record_into(flight, 0))
-        })
-    }
-
-    /// Records one picture into one of the places given to [`Prepared::new`].
-    pub(super) fn record_into(&self, flight: &mut Flight, place: usize) -> FrameSpans {
-        let map = self.map.as_ref();
-        FrameSpans {
-            generate: map.map(|map| map.record(flight)).unwrap_or_default(),
-            march: self.tiles.record(flight, &self.pass(place)),
-            reconstruct: Vec::new(),
+        let mut flight = Flight::new(gpu);
+        let mut spans = Vec::new();
+        for _ in 0..frames {
+            let after = self.outputs.bind(gpu)?;
+            let map = self.map.as_ref();
+            spans.push(FrameSpans {
+                generate: map.map(|map| map.record(&mut flight)).unwrap_or_default(),
+                march: self.tiles.record(&mut flight, &self.pass()),
+                reconstruct: self.outputs.record(&mut flight, &after),
+            });
+            self.outputs.advance();
+            flight.submit();
         }
+        let finished = flight.finish(meanwhile)?;
+        Ok(spans.iter().map(|s| s.times(&finished, frames)).collect())
     }
 
-    fn pass(&self, place: usize) -> Pass<'_> {
+    /// The march of the next frame.
+    fn pass(&self) -> Pass<'_> {
         Pass {
             kernel: &self.march,
-            groups: &self.groups[place],
-            size: self.threads,
+            groups: &self.groups[self.outputs.turn()],
+            size: self.outputs.threads(),
             steps: [self.view_steps, self.steps_a_dispatch],
         }
+    }
+
+    /// The picture of the last frame. A view has one for all methods that march into it: ask before another runs there.
+    pub fn picture(&self, gpu: &Gpu) -> Result<Frame> {
+        self.outputs.read(gpu)
     }
 
     /// The light map of the last run; `None` for a method without one.
@@ -179,23 +180,6 @@ impl Prepared {
             fallbacks,
         })
     }
-}
-
-/// Hands over `frames` pictures that `record` records, and waits once.
-pub(super) fn fly(
-    gpu: &Gpu,
-    frames: u32,
-    meanwhile: impl FnOnce(),
-    mut record: impl FnMut(&mut Flight) -> Result<FrameSpans>,
-) -> Result<Vec<PassTimes>> {
-    let mut flight = Flight::new(gpu);
-    let mut spans = Vec::new();
-    for _ in 0..frames {
-        spans.push(record(&mut flight)?);
-        flight.submit();
-    }
-    let finished = flight.finish(meanwhile)?;
-    Ok(spans.iter().map(|s| s.times(&finished, frames)).collect())
 }
 
 /// llvmpipe ends the loops of an invocation after 65 535 turns in all of them together (LP_MAX_TGSI_LOOP_ITERATIONS,

@@ -1,15 +1,16 @@
 //! A scene on the device, seen at one image size: what every method and the truth share.
 
 use super::inputs::scene_inputs;
+use super::picture::{Picture, RGBA_BYTES};
 use crate::density::DeviceField;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::gpu::{Defs, Gpu, Inputs, Resource, read_buffer};
+use crate::gpu::{Defs, Gpu, Inputs};
 use crate::scene::ImageSize;
 use crate::scene::{Container, Integration, Scene};
 use std::rc::Rc;
 
-/// See the module.
+/// A scene on the device, seen at one image size.
 pub struct View {
     /// The scene.
     pub scene: Scene,
@@ -20,11 +21,8 @@ pub struct View {
     pub(super) inputs: Inputs,
     pub(super) defs: Defs,
     skip: bool,
-    radiance: wgpu::Buffer,
-    sun: wgpu::Buffer,
+    pub(super) picture: Picture,
 }
-
-const PIXEL_BYTES: u64 = 16;
 
 impl View {
     pub(super) fn new(
@@ -32,10 +30,10 @@ impl View {
         scene: &Scene,
         image: ImageSize,
         density: Rc<DeviceField>,
-        mut inputs: Inputs,
+        inputs: Inputs,
     ) -> Result<Self> {
         let pixels = u64::from(image.width) * u64::from(image.height);
-        let bytes = pixels.saturating_mul(PIXEL_BYTES);
+        let bytes = pixels.saturating_mul(RGBA_BYTES);
         let limit = gpu.device.limits().max_storage_buffer_binding_size;
         if bytes == 0 || bytes > limit {
             return Err(Error::input(
@@ -47,13 +45,7 @@ impl View {
                 "Choose another size.",
             ));
         }
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        let (radiance, sun) = (
-            gpu.empty_buffer("radiance", bytes, usage),
-            gpu.empty_buffer("sun", bytes, usage),
-        );
-        inputs.resource("radiance_out", Resource::Buffer(radiance.clone()));
-        inputs.resource("sun_out", Resource::Buffer(sun.clone()));
+        let picture = Picture::new(gpu, image, false);
         gpu.check()?;
         Ok(Self {
             defs: defs(scene, &density),
@@ -62,8 +54,7 @@ impl View {
             density,
             inputs,
             skip: true,
-            radiance,
-            sun,
+            picture,
         })
     }
 
@@ -90,19 +81,9 @@ impl View {
         ]
     }
 
-    /// The last picture rendered in this view.
+    /// The last picture that was rendered into this view.
     pub fn read(&self, gpu: &Gpu) -> Result<Frame> {
-        let size = u64::from(self.image.width) * u64::from(self.image.height) * PIXEL_BYTES;
-        let read = |buffer| {
-            read_buffer(gpu, buffer, size)
-                .map(|bytes| bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes))
-        };
-        Ok(Frame {
-            width: self.image.width,
-            height: self.image.height,
-            radiance: read(&self.radiance)?,
-            sun: read(&self.sun)?,
-        })
+        self.picture.read(gpu)
     }
 }
 

@@ -3,8 +3,9 @@
 use super::fixture::report;
 use super::*;
 use crate::batch::numbers::{Shown, numbers as rows, study_names};
-use crate::batch::record::{Cell, Ghosting, Reconstruction};
-use crate::scene::{CameraTrack, Reconstruct};
+use crate::batch::record::{Cell, Ghosting, ReconstructionNumbers};
+use crate::reconstruct::find;
+use crate::scene::CameraTrack;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -140,7 +141,7 @@ fn every_number_reaches_the_page_or_is_kept_from_it_on_purpose() {
     let cell = Cell { index: 0, ..full() };
     report.cells.truncate(1);
     report.cells[0].result = cell.result;
-    report.cells[0].reconstruct = Reconstruct::Temporal2x2;
+    report.cells[0].reconstruct = find("temporal_2x2").expect("registered").info();
     let page = write(dir.path(), &report).expect("report");
     let page = std::fs::read_to_string(page).expect("page");
     let text = |text: &str| maud::html! { (text) }.into_string();
@@ -222,12 +223,12 @@ fn drawn() -> Report {
             rel_rmse: vec![0.0, 0.125],
         };
         let numbers = cell.result.as_mut().expect("numbers");
-        numbers.reconstruction = Some(Reconstruction {
+        numbers.reconstruction = Some(ReconstructionNumbers {
             ghosting: BTreeMap::from([
                 (CameraTrack::Pan, curve(Some(0.25), None)),
                 (CameraTrack::Dolly, curve(None, Some(12.5))),
             ]),
-            ..Reconstruction::default()
+            ..ReconstructionNumbers::default()
         });
     }
     report

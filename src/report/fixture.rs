@@ -214,7 +214,7 @@ fn cell(index: usize, scene: &str, sun: f64, harder: f64, setting: &Setting) -> 
         sun_elevation_deg: sun,
         method: (*method).into(),
         params: map(params.clone()),
-        reconstruct: Default::default(),
+        reconstruct: crate::reconstruct::full(),
         backend: "Vulkan (Cpu)".into(),
         image: IMAGE,
         failed: None,

@@ -2,9 +2,10 @@
 
 use super::fixture::{paint, report};
 use super::*;
-use crate::batch::record::{Ghosting, Reconstruction};
+use crate::batch::record::{Ghosting, ReconstructionNumbers};
 use crate::metrics::Stats;
-use crate::scene::{CameraTrack, Reconstruct};
+use crate::reconstruct::find;
+use crate::scene::CameraTrack;
 use std::collections::BTreeMap;
 
 const HISTORY_BYTES: u64 = 640 * 360 * 72;
@@ -14,7 +15,8 @@ fn pair() -> Report {
     let mut report = report();
     report.cells.truncate(1);
     let mut twin = report.cells[0].clone();
-    (twin.index, twin.reconstruct) = (1, Reconstruct::Temporal2x2);
+    twin.index = 1;
+    twin.reconstruct = find("temporal_2x2").expect("registered").info();
     twin.id = "temporal".to_owned();
     let numbers = twin.result.as_mut().expect("numbers");
     let time = |median| Stats {
@@ -30,7 +32,7 @@ fn pair() -> Report {
         step_m,
         rel_rmse: vec![0.0, 0.125, 0.0625],
     };
-    numbers.reconstruction = Some(Reconstruction {
+    numbers.reconstruction = Some(ReconstructionNumbers {
         full_rel_rmse: 0.0,
         ghosting: BTreeMap::from([
             (CameraTrack::Pan, curve(Some(0.25), None)),
@@ -67,7 +69,7 @@ fn chart<'a>(charts: &'a BTreeMap<String, String>, start: &str) -> &'a str {
 fn the_frame_is_divided_by_the_full_picture_inside_rounds() {
     // Ratios 50, 20 and 10 %; those of the medians would be another.
     let (page, _) = written(&pair());
-    let row = page.split("id=\"temporal\"").nth(1).expect("section");
+    let row = page.split("id=\"reconstruction\"").nth(1).expect("section");
     assert!(row.contains(">20.0 %<"), "{row}");
     let mut unequal = pair();
     let numbers = unequal.cells[1].result.as_mut().expect("numbers");

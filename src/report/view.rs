@@ -4,6 +4,7 @@ use super::format::{memory_size, shorten};
 use super::shown::RECONSTRUCT;
 use crate::batch::record::{Cell, Clock, Measured, Reference, Report};
 use crate::metrics::Stats;
+use crate::scene::ReconstructionInfo;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
@@ -41,7 +42,7 @@ impl Shot<'_> {
         self.numbers.memory.map_bytes
     }
 
-    /// Bytes of the pictures that temporal integration remembers; 0 where every pixel is marched.
+    /// Bytes that its frames remember; 0 where each is made of itself alone.
     pub fn history_bytes(&self) -> u64 {
         let parts = self.numbers.reconstruction.as_ref();
         parts.map_or(0, |parts| parts.history_bytes)
@@ -119,6 +120,8 @@ pub struct View<'a> {
     pub cases: Vec<Case<'a>>,
     /// See [`View::varying`].
     varying: BTreeMap<&'a str, Vec<&'a str>>,
+    reconstructions: Vec<&'static ReconstructionInfo>,
+    frames: String,
 }
 
 impl<'a> View<'a> {
@@ -139,10 +142,18 @@ impl<'a> View<'a> {
             }
             varying.insert(method, keys);
         }
+        let kinds = report.cells.iter().map(|cell| cell.reconstruct);
+        let reconstructions = distinct(kinds.filter(|info| !info.is_full()));
+        let frames = |info: &&ReconstructionInfo| {
+            let (id, share) = (info.id, info.share());
+            format!(" {id}: one frame ({share} of the pixels marched), at rest.")
+        };
         Self {
             report,
             cases: cases(report),
             varying,
+            frames: reconstructions.iter().map(frames).collect(),
+            reconstructions,
         }
     }
 
@@ -160,14 +171,19 @@ impl<'a> View<'a> {
         self.report.clock()
     }
 
-    /// Has any cell a history?
-    pub fn temporal(&self) -> bool {
-        self.report.cells.iter().any(|c| !c.reconstruct.is_full())
+    /// The reconstructions of its cells but for `full`, in order of first appearance.
+    pub fn reconstructions(&self) -> &[&'static ReconstructionInfo] {
+        &self.reconstructions
+    }
+
+    /// Are pictures of any cell reconstructed?
+    pub fn reconstructed(&self) -> bool {
+        !self.reconstructions.is_empty()
     }
 
     /// What [`Shot::time`] is the time of.
     pub fn timed(&self) -> &'static str {
-        if self.temporal() {
+        if self.reconstructed() {
             "one picture or frame"
         } else {
             "one picture"
@@ -175,17 +191,13 @@ impl<'a> View<'a> {
     }
 
     /// What a frame is, as a sentence with a blank before it; empty where there are none.
-    pub fn frames(&self) -> &'static str {
-        if self.temporal() {
-            " temporal_2x2: one frame (a quarter of the pixels marched), at rest."
-        } else {
-            ""
-        }
+    pub fn frames(&self) -> &str {
+        &self.frames
     }
 
     /// What [`Shot::memory_bytes`] are the bytes of.
     pub fn remembered(&self) -> &'static str {
-        if self.temporal() {
+        if self.reconstructed() {
             "Map + history"
         } else {
             "Map"

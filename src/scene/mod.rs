@@ -8,8 +8,9 @@ mod light;
 mod map_rectangle;
 mod march;
 mod navigate;
+mod pattern;
 mod preetham;
-mod reconstruct;
+mod reconstruction;
 mod track;
 
 pub use camera::{Camera, ImageSize};
@@ -17,8 +18,9 @@ pub use camera_track::CameraTrack;
 pub use light::{Ambient, Lobe, Medium, Sky, Sun};
 pub use map_rectangle::MapRectangle;
 pub use march::{Integration, March};
+pub use pattern::{Pattern, Subset};
 pub use preetham::{PerezSky, SkyModel};
-pub use reconstruct::Reconstruct;
+pub use reconstruction::{HistoryInfo, ReconstructionInfo, RestInfo};
 pub use track::Track;
 
 pub use crate::container::{Container, Intervals};

@@ -44,7 +44,7 @@ pub(super) fn render(
     view: &View,
     setup: &MethodSetup,
 ) -> Result<(Frame, u64)> {
-    let prepared = renderer.prepare(view, setup)?;
+    let prepared = renderer.prepare_full(view, setup)?;
     prepared.run(&renderer.gpu, &mut unwatched)?;
     let frame = view.read(&renderer.gpu)?;
     let texels = prepared.map_texels(&renderer.gpu)?;

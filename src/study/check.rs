@@ -288,7 +288,7 @@ fn with(pick: &Pick, at: &Map<String, Value>) -> Pick {
 mod tests {
     use super::*;
     use crate::config::{expand, load_study};
-    use crate::occlusion::Registry;
+    use crate::reconstruct::Registry;
     use std::path::Path;
 
     fn shipped(profile: &str) -> (Study, Vec<Matrix>) {

@@ -8,8 +8,9 @@ use crate::backend::Backend;
 use crate::batch::{self, lock::Lock, record::Report};
 use crate::config::{CellSpec, Experiment, Matrix, Study, Test, View, expand};
 use crate::error::Result;
-use crate::occlusion::{Registry, is_truth};
-use crate::scene::{Reconstruct, Track};
+use crate::occlusion::is_truth;
+use crate::reconstruct::Registry;
+use crate::scene::Track;
 use crate::truth::TruthCache;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -69,14 +70,13 @@ impl Forecast {
         let cells = matrix.views.iter().flat_map(|view| {
             view.cells.iter().map(move |cell| {
                 let whole = cell_samples(view, cell, 1.0);
-                let marched = match cell.reconstruct {
-                    Reconstruct::Full => rounds * whole,
-                    Reconstruct::Temporal2x2 => {
-                        let quarter = cell_samples(view, cell, 0.25);
-                        rounds * quarter + moving * (whole + quarter)
-                    }
+                let share = 1.0 / f64::from(cell.reconstruct.pattern.one_in());
+                let frame = cell_samples(view, cell, share);
+                let moved = match cell.reconstruct.history {
+                    Some(_) => moving * (whole + frame),
+                    None => 0.0,
                 };
-                marched + flicker * whole + LEAST_SAMPLES
+                rounds * frame + moved + flicker * whole + LEAST_SAMPLES
             })
         });
         Self {
@@ -292,7 +292,7 @@ mod tests {
     fn the_forecast_knows_what_costs_time() {
         let plain = forecast("quick", "screens", |_| ());
         let temporal = forecast("quick", "screens", |e| {
-            e.reconstruct = vec![Reconstruct::Temporal2x2];
+            e.reconstruct = vec![(String::new(), json!("temporal_2x2"))];
         });
         let (srm, quarter) = (
             plain.cell(0) - LEAST_SAMPLES,

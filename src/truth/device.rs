@@ -1,11 +1,12 @@
 //! The truth of a view on a device.
 
-use super::{Counting, Made, Truth, TruthCache, TruthCost, cached, truth_id};
+use super::{Made, Truth, TruthCache, TruthCost, cached, truth_id};
+use crate::cost::Counting;
 use crate::environment::Environment;
 use crate::error::Result;
 use crate::occlusion::MethodSetup;
 use crate::progress::Progress;
-use crate::raymarch::{Renderer, View};
+use crate::raymarch::{Frames, Renderer, View};
 
 /// The truth of `view`, from `cache` when a whole entry is there.
 pub fn on_device(
@@ -28,14 +29,15 @@ fn render(
 ) -> Result<Made> {
     let setup = MethodSetup::truth(&view.scene)?;
     let times = renderer
-        .prepare(view, &setup)?
+        .prepare_full(view, &setup)?
         .run(&renderer.gpu, progress)?;
     let frame = view.read(&renderer.gpu)?;
     let mut wall_ms = times.wall;
     let samples = match counting {
         Counting::Off => None,
         Counting::On => {
-            let counting = renderer.prepare_counting(view, &setup)?;
+            let full = Frames::full();
+            let counting = renderer.prepare(view, &setup, &full, Counting::On)?;
             wall_ms += counting.run(&renderer.gpu, progress)?.wall;
             Some(counting.counts(&renderer.gpu)?.samples)
         }

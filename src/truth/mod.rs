@@ -11,7 +11,7 @@ pub use cache::TruthCache;
 pub use device::on_device;
 pub use oracle::by_oracle;
 
-use crate::cost::Samples;
+use crate::cost::{Counting, Samples};
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::scene::ImageSize;
@@ -53,15 +53,6 @@ pub struct Made {
     pub cost: TruthCost,
     /// Seconds spent in passes, counting included.
     pub passes_s: f64,
-}
-
-/// Whether the density samples of a truth are wanted: counting them takes a second render.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Counting {
-    /// Render and count.
-    On,
-    /// Only render.
-    Off,
 }
 
 /// The truth named `id`, a hash of everything that determines it: from `cache` when a whole entry is there, else what

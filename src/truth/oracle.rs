@@ -1,6 +1,7 @@
 //! The oracle's truth of a view, kept on disk beside those of devices under a name of its own.
 
-use super::{Counting, Made, Truth, TruthCache, TruthCost, cached, truth_id};
+use super::{Made, Truth, TruthCache, TruthCost, cached, truth_id};
+use crate::cost::Counting;
 use crate::error::Result;
 use crate::oracle::{Options, Oracle};
 use crate::progress::Progress;

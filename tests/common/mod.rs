@@ -6,12 +6,13 @@ pub mod formula;
 
 use glam::DVec3;
 use npyz::WriterBuilder;
+use occlab::cost::Counting;
 use occlab::cost::Counts;
 use occlab::frame::Frame;
 use occlab::gpu::Gpu;
 use occlab::occlusion::{MethodInfo, MethodSetup};
 use occlab::progress::unwatched;
-use occlab::raymarch::{Renderer, View};
+use occlab::raymarch::{Frames, Renderer, View};
 use occlab::scene::ImageSize;
 use occlab::scene::{
     Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Uniform,
@@ -149,7 +150,7 @@ pub fn render(scene: &Scene, image: ImageSize, setup: &MethodSetup) -> Frame {
 /// One picture of a view that exists already.
 pub fn render_view(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Frame {
     renderer
-        .prepare(view, setup)
+        .prepare_full(view, setup)
         .unwrap()
         .run(&renderer.gpu, &mut unwatched)
         .unwrap();
@@ -158,7 +159,9 @@ pub fn render_view(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Fra
 
 /// The density samples of one picture.
 pub fn count_view(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Counts {
-    let prepared = renderer.prepare_counting(view, setup).unwrap();
+    let prepared = renderer
+        .prepare(view, setup, &Frames::full(), Counting::On)
+        .unwrap();
     prepared.run(&renderer.gpu, &mut unwatched).unwrap();
     prepared.counts(&renderer.gpu).unwrap()
 }

@@ -6,7 +6,7 @@ use occlab::config::{
     MAX_CELLS, MAX_FILE_BYTES, describe, expand, load_experiment, load_scene, parse_experiment,
     schema,
 };
-use occlab::occlusion::Registry;
+use occlab::reconstruct::Registry;
 use occlab::scene::{CameraTrack, Container, ImageSize, Scene, SkyModel};
 use proptest::prelude::*;
 use proptest::sample::select;

@@ -5,7 +5,7 @@ use super::is_one_paragraph;
 use occlab::batch::record::Report;
 use occlab::batch::{Plan, planned_cell};
 use occlab::config::{describe, expand, parse_experiment};
-use occlab::occlusion::Registry;
+use occlab::reconstruct::Registry;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;

@@ -2,7 +2,7 @@
 
 use super::damage::{cases, changed, changes};
 use occlab::config::{expand, parse_experiment, parse_stability, parse_study};
-use occlab::occlusion::Registry;
+use occlab::reconstruct::Registry;
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value, json};

@@ -13,12 +13,12 @@ use methods::{
     BLURRED, BOUNDED, BUFFER, EDGE, FRACTION, LEVELLESS, MIPPED, Method, SLICES, STEPS_A_COLUMN,
     VOLUME, WORD, renamed, setup,
 };
-use occlab::cost::Memory;
+use occlab::cost::{Counting, Memory};
 use occlab::frame::Frame;
 use occlab::occlusion::MethodSetup;
 use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
-use occlab::raymarch::{MapTexels, Prepared, Renderer, View};
+use occlab::raymarch::{Frames, MapTexels, Prepared, Renderer, View};
 use occlab::scene::{ImageSize, Scene};
 
 const IMAGE: ImageSize = ImageSize {
@@ -49,7 +49,7 @@ fn expected_v(scene: &Scene, column: u32, row: u32) -> f64 {
 }
 
 fn made(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Prepared {
-    let prepared = renderer.prepare(view, setup).unwrap();
+    let prepared = renderer.prepare_full(view, setup).unwrap();
     prepared.run(&renderer.gpu, &mut unwatched).unwrap();
     prepared
 }
@@ -270,8 +270,8 @@ fn what_is_missing_is_named() {
         let view = renderer.view(&layer(), size(4, 4)).unwrap();
         let refused = |setup: &MethodSetup, counting: bool| {
             let prepared = match counting {
-                true => renderer.prepare_counting(&view, setup),
-                false => renderer.prepare(&view, setup),
+                true => renderer.prepare(&view, setup, &Frames::full(), Counting::On),
+                false => renderer.prepare_full(&view, setup),
             };
             prepared.err().expect("an error").to_string()
         };

@@ -6,8 +6,8 @@ use occlab::occlusion::plan::{
 use occlab::occlusion::rounding::{Format, Rounding, fraction};
 use occlab::occlusion::twin::{Column, Encoding, LookUp, Twin, between_slices};
 use occlab::occlusion::{
-    LOOKUP, LightOcclusion, MethodInfo, MethodSetup, Plan, RESOLUTION, SAMPLING, STEPS, STORAGE,
-    TEXEL_LOOKUP,
+    LOOKUP, LightOcclusion, Marker, MethodInfo, MethodSetup, Plan, RESOLUTION, Role, SAMPLING,
+    STEPS, STORAGE, TEXEL_LOOKUP, Trials,
 };
 use occlab::param::{Applies, ParamKind, ParamSpec, Params};
 use occlab::{Error, Result};
@@ -52,6 +52,7 @@ const CONTROL: ParamSpec = ParamSpec {
         default: "off",
     },
     applies: Applies::Always,
+    as_printed: &[],
 };
 const FLOATS: &[ParamSpec] = &[RESOLUTION, STEPS, SAMPLING, STORAGE, LOOKUP, CONTROL];
 const SAMPLED: &[ParamSpec] = &[RESOLUTION, STEPS, SAMPLING, STORAGE, CONTROL];
@@ -66,12 +67,25 @@ const fn info(
     MethodInfo {
         id,
         title: id,
+        summary: "",
+        texel: "",
+        expect: "",
         citation: "",
+        role: Role::Practical,
+        colour: 0,
+        marker: Marker::Circle,
         shader: id,
         source,
         params,
         monotone: true,
+        bounded: false,
         tolerance: 0.0,
+        trials: Trials {
+            pictures: &[],
+            clouds: &[],
+            texels: &[],
+            exact: &[],
+        },
     }
 }
 

@@ -1,19 +1,20 @@
 //! Pictures at rest and on the move, and the shader that marches them.
 
 use super::common::{self, setup, size};
-use super::sequence::{bits, blobs, on_device, on_oracle};
+use super::sequence::{bits, blobs, on_device, on_oracle, temporal};
 use occlab::frame::Frame;
 use occlab::metrics::ghosting;
 use occlab::occlusion::REGISTRY;
-use occlab::scene::{CameraTrack, Reconstruct, Scene};
+use occlab::scene::{CameraTrack, Scene};
 
 /// What the same frames would be if history stayed where it was on the screen.
 fn without_reprojection(full: &[Frame]) -> Vec<Frame> {
+    let pattern = temporal().info().pattern;
     let mut picture = full[0].clone();
     let pictures = full.iter().enumerate().map(|(n, frame)| {
-        let [x, y] = Reconstruct::BAYER_2X2[n % 4];
-        for row in (y..frame.height).step_by(2) {
-            for column in (x..frame.width).step_by(2) {
+        let (marched, image) = (pattern.subset(n), size(frame.width, frame.height));
+        for row in marched.rows(image) {
+            for column in marched.columns(image, row) {
                 let i = (row * frame.width + column) as usize;
                 (picture.radiance[i], picture.sun[i]) = (frame.radiance[i], frame.sun[i]);
             }
@@ -42,8 +43,14 @@ fn at_rest_four_frames_of_every_method_are_the_full_picture_bit_for_bit() {
     common::on_gpu(move |renderer| {
         for method in REGISTRY {
             let setup = common::with_map(method.info().id, "resolution=32 steps=12", "");
-            let made = on_device(renderer, &vec![scene.clone(); 6], size(33, 22), &setup);
-            let equal = |n: usize| bits(&made.temporal[n]) == bits(&made.full[n]);
+            let made = on_device(
+                renderer,
+                temporal(),
+                &vec![scene.clone(); 6],
+                size(33, 22),
+                &setup,
+            );
+            let equal = |n: usize| bits(&made.rebuilt[n]) == bits(&made.full[n]);
             let id = method.info().id;
             assert!(!equal(2), "{id}: three frames cannot know all of it");
             assert!((3..6).all(equal), "{id}");
@@ -55,10 +62,15 @@ fn at_rest_four_frames_of_every_method_are_the_full_picture_bit_for_bit() {
 fn at_rest_the_oracle_repeats_its_picture_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let scene = blobs(folder.path(), true);
-    let made = on_oracle(&vec![scene; 5], size(17, 12), &setup("srm", "steps=4"));
-    assert_ne!(bits(&made.temporal[2]), bits(&made.full[2]));
+    let made = on_oracle(
+        temporal(),
+        &vec![scene; 5],
+        size(17, 12),
+        &setup("srm", "steps=4"),
+    );
+    assert_ne!(bits(&made.rebuilt[2]), bits(&made.full[2]));
     for n in 3..5 {
-        assert_eq!(bits(&made.temporal[n]), bits(&made.full[n]));
+        assert_eq!(bits(&made.rebuilt[n]), bits(&made.full[n]));
     }
 }
 
@@ -73,8 +85,14 @@ fn reprojection_beats_a_history_that_stays_on_the_screen() {
         let along = (0..12).map(|n| track.scene(&scene, image, n));
         let scenes: Vec<Scene> = along.collect();
         common::on_gpu(move |renderer| {
-            let made = on_device(renderer, &scenes, image, &setup("srm", "steps=6"));
-            let ours = mean_ghosting(&made.full, &made.temporal);
+            let made = on_device(
+                renderer,
+                temporal(),
+                &scenes,
+                image,
+                &setup("srm", "steps=6"),
+            );
+            let ours = mean_ghosting(&made.full, &made.rebuilt);
             let control = mean_ghosting(&made.full, &without_reprojection(&made.full));
             println!("{track:?}: ghosting {ours}, without reprojection {control}");
             assert!(
@@ -100,11 +118,11 @@ fn the_other_side_of_a_cloud_has_no_history() {
     let (scenes, _folder) = after_a_jump(|scene| scene.camera.position_m[2] = 1800.0);
     common::on_gpu(move |renderer| {
         let (setup, image) = (setup("srm", "steps=4"), size(33, 22));
-        let turned = on_device(renderer, &scenes, image, &setup);
+        let turned = on_device(renderer, temporal(), &scenes, image, &setup);
         // A history's fifth frame marches the pixels of its first.
-        let fresh = on_device(renderer, &scenes[4..], image, &setup);
-        assert_eq!(bits(&turned.temporal[4]), bits(&fresh.temporal[0]));
-        assert_ne!(bits(&turned.temporal[4]), bits(&turned.full[4]));
+        let fresh = on_device(renderer, temporal(), &scenes[4..], image, &setup);
+        assert_eq!(bits(&turned.rebuilt[4]), bits(&fresh.rebuilt[0]));
+        assert_ne!(bits(&turned.rebuilt[4]), bits(&turned.full[4]));
     });
 }
 
@@ -116,11 +134,17 @@ fn cloud_behind_the_camera_is_not_seen_again() {
         scene.camera.target_m[2] += 2700.0;
     });
     common::on_gpu(move |renderer| {
-        let made = on_device(renderer, &scenes, size(33, 22), &setup("srm", "steps=4"));
+        let made = on_device(
+            renderer,
+            temporal(),
+            &scenes,
+            size(33, 22),
+            &setup("srm", "steps=4"),
+        );
         let opacity = |frame: &Frame| frame.radiance.iter().map(|p| p[3]).fold(0.0, f32::max);
-        assert!(opacity(&made.temporal[3]) > 0.5);
+        assert!(opacity(&made.rebuilt[3]) > 0.5);
         assert_eq!(
-            (opacity(&made.full[4]), opacity(&made.temporal[4])),
+            (opacity(&made.full[4]), opacity(&made.rebuilt[4])),
             (0.0, 0.0)
         );
     });
@@ -149,14 +173,12 @@ fn the_march_of_a_full_picture_holds_nothing_of_it() {
         let names = bound.filter_map(|(_, v)| v.name.clone());
         names.collect::<Vec<String>>().join(" ")
     };
-    let (full, temporal) = (
-        names(Defs::new()),
-        names(Defs::from([("TEMPORAL_2X2".into(), None)])),
-    );
-    for name in ["nearness_out", "quarter"] {
+    let full = names(Defs::new());
+    for (define, name) in [("INVERSE_DEPTH", "inverse_depth_out"), ("SUBSET", "subset")] {
+        let other = names(Defs::from([(define.into(), None)]));
         assert!(
-            !full.contains(name) && temporal.contains(name),
-            "{full} | {temporal}"
+            !full.contains(name) && other.contains(name),
+            "{full} | {other}"
         );
     }
 }

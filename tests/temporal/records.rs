@@ -2,7 +2,7 @@
 
 use super::common;
 use super::program::{batch, occlab, report, scene, stderr, workplace};
-use super::sequence::on_device;
+use super::sequence::{on_device, temporal};
 use occlab::frame::Frame;
 use occlab::scene::{CameraTrack, ImageSize, Scene};
 use serde_json::{Value, json};
@@ -179,10 +179,11 @@ fn curves_and_steps_are_those_of_frames_rendered_by_hand() {
         let frames = [0, 0, 0].into_iter().chain(0..16);
         let scenes: Vec<Scene> = frames.map(|n| track.scene(&scene, image, n)).collect();
         let setup = common::setup("srm", "steps=4");
-        let made = common::on_gpu(move |renderer| on_device(renderer, &scenes, image, &setup));
+        let made =
+            common::on_gpu(move |renderer| on_device(renderer, temporal(), &scenes, image, &setup));
         let curve = recorded["rel_rmse"].as_array().unwrap();
         for (n, value) in curve.iter().enumerate() {
-            let own = error_by_hand(&made.full[n + 3], &made.temporal[n + 3]);
+            let own = error_by_hand(&made.full[n + 3], &made.rebuilt[n + 3]);
             let value = value.as_f64().unwrap();
             assert!(
                 (value - own).abs() <= 1e-9 * own,

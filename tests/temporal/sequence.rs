@@ -2,11 +2,13 @@
 
 use super::common::{self, box_scene};
 use glam::DVec3;
+use occlab::cost::Counting;
 use occlab::frame::Frame;
 use occlab::occlusion::MethodSetup;
-use occlab::oracle::{self, Options, Oracle};
+use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
-use occlab::raymarch::{History, Renderer};
+use occlab::raymarch::Renderer;
+use occlab::reconstruct::{Reconstruction, find};
 use occlab::scene::{Ambient, ImageSize, Scene};
 use std::path::Path;
 
@@ -50,45 +52,57 @@ pub fn turned(scene: &Scene, right_deg: f64, up_deg: f64) -> Scene {
     moved
 }
 
-/// Full renders and temporal frames of a sequence.
+/// Full renders and reconstructed frames of a sequence.
 pub struct Sequence {
     pub full: Vec<Frame>,
-    pub temporal: Vec<Frame>,
+    pub rebuilt: Vec<Frame>,
+}
+
+/// Temporal integration.
+pub fn temporal() -> &'static dyn Reconstruction {
+    find("temporal_2x2").unwrap()
 }
 
 pub fn on_device(
     renderer: &Renderer,
+    by: &dyn Reconstruction,
     scenes: &[Scene],
     image: ImageSize,
     setup: &MethodSetup,
 ) -> Sequence {
-    let history = History::new(&renderer.gpu, image).unwrap();
+    let sequence = by.on_device(&renderer.gpu, image).unwrap();
     let mut frames = Sequence {
         full: Vec::new(),
-        temporal: Vec::new(),
+        rebuilt: Vec::new(),
     };
     for scene in scenes {
         let view = renderer.view(scene, image).unwrap();
         frames
             .full
             .push(common::render_view(renderer, &view, setup));
-        let temporal = renderer.prepare_temporal(&view, setup, &history).unwrap();
-        let times = temporal.run(&renderer.gpu, &mut unwatched).unwrap();
-        assert_eq!(times.reconstruct.is_some(), times.march.is_some());
+        let next = renderer
+            .prepare(&view, setup, &sequence, Counting::Off)
+            .unwrap();
+        let times = next.run(&renderer.gpu, &mut unwatched).unwrap();
+        let passes = times.march.is_some() && !by.info().is_full();
+        assert_eq!(times.reconstruct.is_some(), passes);
         // Both passes lie inside the wall time.
         assert!(times.total().is_none_or(|total| total <= times.wall));
-        frames
-            .temporal
-            .push(temporal.picture(&renderer.gpu).unwrap());
+        frames.rebuilt.push(next.picture(&renderer.gpu).unwrap());
     }
     frames
 }
 
-pub fn on_oracle(scenes: &[Scene], image: ImageSize, setup: &MethodSetup) -> Sequence {
-    let mut history = oracle::History::new(image).unwrap();
+pub fn on_oracle(
+    by: &dyn Reconstruction,
+    scenes: &[Scene],
+    image: ImageSize,
+    setup: &MethodSetup,
+) -> Sequence {
+    let mut sequence = by.on_oracle(image);
     let mut frames = Sequence {
         full: Vec::new(),
-        temporal: Vec::new(),
+        rebuilt: Vec::new(),
     };
     let mut last: Option<Oracle> = None;
     for scene in scenes {
@@ -98,8 +112,8 @@ pub fn on_oracle(scenes: &[Scene], image: ImageSize, setup: &MethodSetup) -> Seq
         };
         let method = oracle.prepare(setup, Options::default()).unwrap();
         frames.full.push(method.render(&mut unwatched).unwrap().0);
-        method.render_next(&mut history, &mut unwatched).unwrap();
-        frames.temporal.push(history.picture().unwrap());
+        sequence.render(&method, &mut unwatched).unwrap();
+        frames.rebuilt.push(sequence.picture().unwrap());
         drop(method);
         last = Some(oracle);
     }

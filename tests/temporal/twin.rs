@@ -1,12 +1,12 @@
 //! The device against its f64 twin, on a camera that moves.
 
 use super::common::{self, relative_rmse, setup, size};
-use super::sequence::{blobs, flight, on_device, on_oracle, turned};
+use super::sequence::{blobs, flight, on_device, on_oracle, temporal, turned};
 use occlab::frame::Frame;
 use occlab::scene::{ImageSize, Integration, Scene, Sky};
 
 /// √Σ(b − a)²/√Σa² of RGB and of alpha of both planes over all pixels, the largest of the four.
-fn apart(a: &Frame, b: &Frame) -> f64 {
+pub fn apart(a: &Frame, b: &Frame) -> f64 {
     let planes = [(&a.radiance, &b.radiance), (&a.sun, &b.sun)];
     let of = |(a, b): (&Vec<[f32; 4]>, &Vec<[f32; 4]>), channels: std::ops::Range<usize>| {
         let values = |p: &[f32; 4]| {
@@ -25,13 +25,13 @@ fn apart(a: &Frame, b: &Frame) -> f64 {
 /// Frames of both: the full picture, the rebuilt one, and a control that must not agree.
 fn check_twin(scenes: Vec<Scene>, image: ImageSize, params: &str, full_most: f64) {
     let setup = setup("srm", params);
-    let twin = on_oracle(&scenes, image, &setup);
+    let twin = on_oracle(temporal(), &scenes, image, &setup);
     common::on_gpu(move |renderer| {
-        let made = on_device(renderer, &scenes, image, &setup);
+        let made = on_device(renderer, temporal(), &scenes, image, &setup);
         for n in 0..scenes.len() {
             let full = apart(&twin.full[n], &made.full[n]);
-            let rebuilt = apart(&twin.temporal[n], &made.temporal[n]);
-            let other = apart(&twin.temporal[n], &made.full[n]);
+            let rebuilt = apart(&twin.rebuilt[n], &made.rebuilt[n]);
+            let other = apart(&twin.rebuilt[n], &made.full[n]);
             println!("frame {n}: full {full:.1e}, rebuilt {rebuilt:.1e}, control {other:.1e}");
             assert!(full < full_most, "frame {n}: {full}");
             assert!(rebuilt < 1e-4, "frame {n}: {rebuilt}");

@@ -4,25 +4,30 @@ mod study;
 
 use super::experiment::{MAX_RUNS, default_discard, default_runs};
 use super::methods::MethodCatalogue;
+use super::reconstructions::{self, Catalogue};
 use super::stability;
 use crate::param::{ParamKind, ParamSpec};
-use crate::scene::{CameraTrack, ImageSize, March, Reconstruct, Scene, Track};
+use crate::scene::{CameraTrack, ImageSize, March, ReconstructionInfo, Scene, Track};
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
-/// The schema; scenes come from the Rust types, methods from what the catalogue declares.
-pub fn schema(catalogue: &dyn MethodCatalogue) -> Value {
+/// The schema; scenes come from the Rust types, methods and reconstructions from what the catalogue declares.
+pub fn schema(catalogue: &dyn Catalogue) -> Value {
     let mut generator = SchemaSettings::draft2020_12().into_generator();
     generator.subschema_for::<Scene>();
     generator.subschema_for::<ImageSize>();
     generator.subschema_for::<Track>();
     generator.subschema_for::<CameraTrack>();
-    generator.subschema_for::<Reconstruct>();
     generator.subschema_for::<stability::File>();
     let mut definitions = generator.take_definitions(true);
-    let (experiment, methods) = (experiment(), methods(catalogue));
+    let reconstructions = catalogue.reconstructions();
+    let (experiment, methods) = (experiment(&reconstructions), methods(catalogue));
     definitions.extend(study::definitions(&experiment, &methods));
     definitions.insert("Experiment".to_owned(), experiment);
+    definitions.insert(
+        reconstructions::DEFINITION.to_owned(),
+        reconstructions::definition(&reconstructions),
+    );
     definitions.insert("SceneEntry".to_owned(), scene_entry());
     definitions.insert("Method".to_owned(), methods);
     let kinds = ["Experiment", "Scene", "Study", "Stability"];
@@ -45,7 +50,7 @@ fn described(mut schema: Value, description: &str) -> Value {
     schema
 }
 
-fn experiment() -> Value {
+fn experiment(known: &[&ReconstructionInfo]) -> Value {
     let count = |default: u32| json!({"type": "integer", "minimum": 1, "maximum": MAX_RUNS, "default": default});
     let elevation = json!({"type": "number", "exclusiveMinimum": 0, "maximum": 90});
     let steps = json!({"type": "integer", "minimum": 1, "maximum": March::MAX_STEPS});
@@ -63,7 +68,7 @@ fn experiment() -> Value {
             "flicker": described(one_or_many(json!({"$ref": "#/$defs/Track"})), "Measure flicker along these movements of 16 frames: `pan`, the camera turns by one pixel of the picture's centre a frame; `sun`, the sun rises by 1° in all. Each frame has its own truth, so this costs 15 truths a movement and view. Absent: none."),
             "decompose": {"type": "boolean", "default": false, "description": "Split each cell's error into model, sampling and precision: the f64 oracle renders the truth, and each cell twice (at its own and at ample steps and texels), after the timed rounds."},
             "methods": described(one_or_many(json!({"$ref": "#/$defs/Method"})), "Methods and their parameters."),
-            "reconstruct": described(one_or_many(json!({"$ref": "#/$defs/Reconstruct"})), "How pictures come about: `full`, every pixel in every frame; `temporal_2x2`, one pixel of every 2 × 2 block a frame, the others from the picture before, reprojected. Absent: `full`."),
+            "reconstruct": described(one_or_many(json!({"$ref": format!("#/$defs/{}", reconstructions::DEFINITION)})), &reconstructions::description(known)),
             "ghosting": described(one_or_many(json!({"$ref": "#/$defs/CameraTrack"})), "Compare each temporal cell with its full render along these movements of 16 frames: `pan`, the camera turns by one pixel of the picture's centre a frame; `dolly`, it moves to its right by one pixel of the middle of the container a frame. Absent: none."),
         },
         "required": ["name", "image", "scenes", "methods"],

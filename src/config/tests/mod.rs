@@ -1,5 +1,7 @@
 use super::*;
 use crate::param::{Applies, ParamKind, ParamSpec};
+use crate::reconstruct::Registry;
+use crate::scene::ReconstructionInfo;
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -60,6 +62,12 @@ const LOOKUP: ParamSpec = ParamSpec {
 };
 
 struct Mock;
+
+impl Catalogue for Mock {
+    fn reconstructions(&self) -> Vec<&'static ReconstructionInfo> {
+        Registry.reconstructions()
+    }
+}
 
 impl MethodCatalogue for Mock {
     fn ids(&self) -> Vec<&str> {

@@ -1,7 +1,7 @@
 //! The schema accepts every file that ships, and refuses what the readers refuse.
 
 use super::*;
-use crate::occlusion::Registry;
+use crate::reconstruct::Registry;
 use jsonschema::Validator;
 use serde_json::json;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Ghosting: what temporal integration adds to the error of each frame of a moving camera.
+//! Ghosting: what frames that know of those before add to the error of each frame of a moving camera.
 
 use super::super::format::number;
 use super::super::view::{Case, Shot, View};

@@ -42,7 +42,7 @@ pub const TIME: Number = Number {
 /// Bytes of the map and of the history.
 pub const MEMORY: Number = Number {
     axis: |view| {
-        let (title, zero) = match view.temporal() {
+        let (title, zero) = match view.reconstructed() {
             true => (
                 "textures of the map as allocated and history (bytes, log)",
                 "0 (neither)",
@@ -59,7 +59,7 @@ pub const MEMORY: Number = Number {
     },
     of: |shot| Some((shot.memory_bytes() as f64, None)),
     note: |view| {
-        let what = match view.temporal() {
+        let what = match view.reconstructed() {
             true => "Full pictures",
             false => "Methods",
         };

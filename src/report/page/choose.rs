@@ -2,7 +2,8 @@
 
 use super::super::format::{map_size, maybe, memory_size, ms, number};
 use super::super::view::{Case, Shot, View, distinct};
-use super::{frontier, parts};
+use super::{frontier, parts, reconstructions};
+use crate::scene::ReconstructionInfo;
 use maud::{Markup, html};
 use std::cmp::Ordering;
 
@@ -72,15 +73,10 @@ pub fn section(view: &View<'_>) -> Markup {
         .cases
         .iter()
         .any(|c| c.shots().iter().any(|s| s.time_ms().is_some()));
-    let temporal = view.temporal();
     html! {
         section #which {
             h2 { "Which method?" }
-            @if temporal {
-                p.notice { "Errors and times here are those of a camera at rest, where " code { "temporal_2x2" } " loses nothing; its times are "
-                    "those of one frame (a quarter of the pixels marched). What it loses in motion "
-                    "stands under " a href="#temporal" { "Temporal integration" } "." }
-            }
+            @for info in view.reconstructions() { (reconstructed(view, info)) }
             @if timed {
                 p { "For an error you can accept, the fastest setting that keeps it. " (MEANING) }
             } @else {
@@ -94,6 +90,24 @@ pub fn section(view: &View<'_>) -> Markup {
                 "The Pareto frontier of each scene and sun: the settings that no other setting beats in both cost and error."
             }
             @for case in &view.cases { (frontier::of_case(view, case)) }
+        }
+    }
+}
+
+/// What errors and times of reconstructed pictures are.
+fn reconstructed(view: &View<'_>, info: &ReconstructionInfo) -> Markup {
+    let loss = match (info.rest.exact, info.history.is_some()) {
+        (true, _) => "What it loses in motion",
+        (false, true) => "What it loses, at rest and in motion,",
+        (false, false) => "What it loses",
+    };
+    html! {
+        p.notice {
+            "Errors and times here are those of a camera at rest"
+            @if info.rest.exact { ", where " code { (info.id) } " loses nothing; its times" }
+            @else { "; the times of " code { (info.id) } }
+            " are those of one frame (" (info.share()) " of the pixels marched). " (loss) " stands under "
+            a href={ "#" (reconstructions::ANCHOR) } { (reconstructions::heading(view)) } "."
         }
     }
 }
@@ -126,7 +140,7 @@ fn by_error(view: &View<'_>) -> Markup {
         @if view.cases.len() > 1 { (row(EVERY_VIEW, &everywhere(&view.cases))) }
     };
     let caption = html! {
-        "Median " (view.clock().name()) " time of " (view.timed()) ", bytes of the map" @if view.temporal() { " and the history" } "." (view.frames())
+        "Median " (view.clock().name()) " time of " (view.timed()) ", bytes of the map" @if view.reconstructed() { " and the history" } "." (view.frames())
         @if view.cases.len() > 1 { " Last row: one setting for all views, by its worst error and time." }
     };
     parts::table(view, caption, "answers totals stacked", head, body)

@@ -79,7 +79,7 @@ fn by_memory(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
     let mut with_map = frontier(&only_maps);
     with_map.retain(|i| !best.contains(i));
     let caption = html! {
-        "Smallest error for given memory of the map" @if view.temporal() { " and the history" } "."
+        "Smallest error for given memory of the map" @if view.reconstructed() { " and the history" } "."
         @if !with_map.is_empty() { " Below the line: among methods with a map." }
     };
     let head = html! {

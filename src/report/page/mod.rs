@@ -8,9 +8,9 @@ mod figures;
 mod frontier;
 pub(crate) mod parts;
 pub(crate) mod pictures;
+mod reconstructions;
 mod table;
 mod tail;
-mod temporal;
 
 use super::charts::Drawing;
 use super::contact::Sheet;
@@ -39,7 +39,7 @@ pub fn html(folder: &Path, view: &View<'_>, charts: &[Drawing], sheets: &[Sheet]
             (choose::section(view))
             (pictures::section(view, &mut album, sheets))
             (errors::section(view, &mut album))
-            (temporal::section(view))
+            (reconstructions::section(view))
             (figures::section(view, charts))
             (table::section(view, &album))
             (clock::section(view))
@@ -105,12 +105,16 @@ fn summary(view: &View<'_>) -> Markup {
 fn links(view: &View<'_>) -> Vec<Link<'static>> {
     let measured = || view.report.cells.iter().filter_map(|c| c.result.as_ref());
     let decomposed = measured().any(|m| m.decomposition.is_some());
-    let temporal = measured().any(|m| m.reconstruction.is_some());
+    let reconstructed = measured().any(|m| m.reconstruction.is_some());
     let sections = [
         ("which", "Which method?", true),
         ("pictures", "Pictures", true),
         ("errors", "Three errors", decomposed),
-        ("temporal", "Temporal integration", temporal),
+        (
+            reconstructions::ANCHOR,
+            reconstructions::heading(view),
+            reconstructed,
+        ),
         ("charts", "Charts", true),
         ("cells", "All cells", true),
         ("clock", "Clock", !view.report.clock.is_empty()),

@@ -20,9 +20,10 @@ const FIRST: [(&str, &str); 5] = [
 /// Columns without numbers.
 const TEXTS: [&str; 4] = ["Scene", "Method", "Setting", "Picture"];
 
-/// The numbers of the table; those of temporal integration are left out where every cell is `full`.
+/// The numbers of the table; those of reconstructed pictures are left out where every cell is `full`.
 pub fn columns(view: &View<'_>) -> Vec<&'static CellNumber> {
-    let shown = |n: &&CellNumber| n.shown == Shown::Cells && (view.temporal() || !n.is_temporal());
+    let shown =
+        |n: &&CellNumber| n.shown == Shown::Cells && (view.reconstructed() || !n.is_temporal());
     numbers().iter().filter(shown).collect()
 }
 

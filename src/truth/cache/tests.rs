@@ -2,8 +2,9 @@
 
 use super::entry::{picture, sheet};
 use super::*;
+use crate::cost::Counting;
 use crate::cost::Samples;
-use crate::truth::{Counting, Made, Truth, cached};
+use crate::truth::{Made, Truth, cached};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const IMAGE: ImageSize = ImageSize {

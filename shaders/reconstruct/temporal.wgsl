@@ -1,18 +1,20 @@
-// Temporal integration, second half of a frame: the three pixels of every 2 × 2 block that were not marched take their
-// values from the picture before, reprojected (Schneider & Vos 2015, "The Real-time Volumetric Cloudscapes of Horizon
-// Zero Dawn"; thesis M, 3.1.7).
+// Temporal integration, second half of a frame: the pixels of every block that were not marched take their values from
+// the picture before, reprojected (Schneider & Vos 2015, "The Real-time Volumetric Cloudscapes of Horizon Zero Dawn";
+// thesis M, 3.1.7).
 //
 //   p' = (H·(i + ½, j + ½, 1) + e·q) / w     where the point at depth 1/q behind pixel (i, j) was, w its third component
 //
-// H turns, e moves the camera (raymarch/temporal.rs). q is the nearness of the block's marched pixel, 0 = infinitely far:
-// the reciprocal of the mean depth along the optical axis, weighted as the march weights light. p' is rounded to 1/256
-// pixel, the 8 bits that Direct3D asks of texture units, so that a camera at rest repeats pixels bit for bit; four neighbours
-// are interpolated. History does not serve
+// H turns, e moves the camera (src/reconstruct/reprojection/device.rs). q is the inverse depth of the block's marched
+// pixel: the reciprocal of the mean depth along the optical axis, weighted as the march weights light; 0 = infinitely far.
+// p' is rounded to 1/256 pixel, the 8 bits that Direct3D asks of texture units, so that a camera at rest repeats pixels bit
+// for bit; four neighbours are interpolated. History does not serve
 //   - before there is any, and where p' lies outside the picture or behind the camera, now or then;
 //   - where the camera looked the other way: it saw another side;
-//   - where it shows something else: its own nearness at p' would have put this pixel more than one pixel away.
+//   - where it shows something else: its own inverse depth at p' would have put this pixel more than one pixel away.
 // There the pixels marched in this frame are interpolated instead.
 // Cost: a dozen loads a pixel, no density samples.
+
+#import subset::{Subset, is_marched}
 
 struct Motion {
     turn_x: vec3f,      // columns of H
@@ -20,17 +22,17 @@ struct Motion {
     turn_w: vec3f,
     shift: vec3f,       // e
     size: vec2u,        // of the picture
-    pixel: vec2u,       // of each block, marched in this frame
     remembers: u32,     // 1: there is a picture before
 }
 
 @group(0) @binding(0) var<uniform> motion: Motion;
 @group(0) @binding(1) var<storage, read> radiance_in: array<vec4f>;
 @group(0) @binding(2) var<storage, read> sun_in: array<vec4f>;
-@group(0) @binding(3) var<storage, read> nearness_in: array<f32>;
+@group(0) @binding(3) var<storage, read> inverse_depth_in: array<f32>;
 @group(0) @binding(4) var<storage, read_write> radiance_out: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> sun_out: array<vec4f>;
-@group(0) @binding(6) var<storage, read_write> nearness_out: array<f32>;
+@group(0) @binding(6) var<storage, read_write> inverse_depth_out: array<f32>;
+@group(0) @binding(7) var<uniform> subset: Subset;   // a rectangular grid: shear 0
 
 const SUBPIXELS: f32 = 256.0;
 // Disagreement of two depths that counts as another thing, pixels.
@@ -45,7 +47,7 @@ struct Taps {
 // What the picture before knows of a pixel.
 struct Past {
     at: vec2f,
-    nearness: f32,
+    inverse_depth: f32,
     serves: bool,
 }
 
@@ -54,7 +56,7 @@ fn index_of(pixel: vec2u) -> u32 {
 }
 
 // Bilinear taps among `size` points `stride` pixels apart, the first of them at `first`; `at` in points.
-fn taps(at: vec2f, size: vec2u, first: vec2u, stride: u32) -> Taps {
+fn taps(at: vec2f, size: vec2u, first: vec2u, stride: vec2u) -> Taps {
     let low = floor(at);
     let part = at - low;
     let last = vec2i(size) - 1;
@@ -65,15 +67,15 @@ fn taps(at: vec2f, size: vec2u, first: vec2u, stride: u32) -> Taps {
     return Taps(index, vec4f(rest.x * rest.y, part.x * rest.y, rest.x * part.y, part.x * part.y));
 }
 
-fn past_of(pixel: vec2u, nearness: f32) -> Past {
+fn past_of(pixel: vec2u, inverse_depth: f32) -> Past {
     let far = motion.turn_x * (f32(pixel.x) + 0.5) + motion.turn_y * (f32(pixel.y) + 0.5) + motion.turn_w;
-    let seen = far + motion.shift * nearness;
+    let seen = far + motion.shift * inverse_depth;
     let at = round(seen.xy / seen.z * SUBPIXELS) / SUBPIXELS;
     if motion.remembers == 0u || !(seen.z > 0.0) || any(at < vec2f(0.0)) || any(at > vec2f(motion.size)) {
         return Past(at, 0.0, false);
     }
     // The same pixel, were it as near as the history says.
-    let held = nearness_in[index_of(min(vec2u(at), motion.size - 1u))];
+    let held = inverse_depth_in[index_of(min(vec2u(at), motion.size - 1u))];
     let scale = 1.0 - motion.shift.z * held;
     let own = far.z * held / scale;
     let other = far + motion.shift * own;
@@ -83,17 +85,18 @@ fn past_of(pixel: vec2u, nearness: f32) -> Past {
 
 @compute @workgroup_size(8, 8)
 fn reconstruct(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= motion.size) || all((id.xy & vec2u(1u)) == motion.pixel) {
+    if any(id.xy >= motion.size) || is_marched(subset, id.xy) {
         return;
     }
     let index = index_of(id.xy);
-    let marched = (motion.size - motion.pixel + 1u) / 2u;
-    let nearness = nearness_out[index_of(2u * min(id.xy / 2u, marched - 1u) + motion.pixel)];
-    let past = past_of(id.xy, nearness);
+    let marched = (motion.size - subset.offset + subset.block - 1u) / subset.block;
+    let nearest = min(id.xy / subset.block, marched - 1u);
+    let inverse_depth = inverse_depth_out[index_of(subset.block * nearest + subset.offset)];
+    let past = past_of(id.xy, inverse_depth);
     var radiance = vec4f(0.0);
     var sun = vec4f(0.0);
     if past.serves {
-        let four = taps(past.at - 0.5, motion.size, vec2u(0u), 1u);
+        let four = taps(past.at - 0.5, motion.size, vec2u(0u), vec2u(1u));
         for (var i = 0u; i < 4u; i++) {
             if four.weight[i] > 0.0 {
                 radiance += four.weight[i] * radiance_in[four.index[i]];
@@ -101,7 +104,8 @@ fn reconstruct(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     } else {
-        let four = taps((vec2f(id.xy) - vec2f(motion.pixel)) / 2.0, marched, motion.pixel, 2u);
+        let at = (vec2f(id.xy) - vec2f(subset.offset)) / vec2f(subset.block);
+        let four = taps(at, marched, subset.offset, subset.block);
         for (var i = 0u; i < 4u; i++) {
             if four.weight[i] > 0.0 {
                 radiance += four.weight[i] * radiance_out[four.index[i]];
@@ -111,5 +115,5 @@ fn reconstruct(@builtin(global_invocation_id) id: vec3u) {
     }
     radiance_out[index] = radiance;
     sun_out[index] = sun;
-    nearness_out[index] = select(nearness, past.nearness, past.serves);
+    inverse_depth_out[index] = select(inverse_depth, past.inverse_depth, past.serves);
 }

@@ -1,26 +1,57 @@
-//! Temporal integration: what a frame costs beside a full picture, and what it leaves of the picture on the move.
+//! Reconstructed pictures: what a frame costs beside a full picture, and what it leaves of the picture at rest and on the
+//! move.
 
 use super::super::charts::ghosting::motion;
 use super::super::format::{bytes, number, percent};
-use super::super::view::{Case, Shot, View};
+use super::super::view::{Case, Shot, View, distinct};
 use super::parts::{self, cell};
-use crate::batch::record::{Ghosting, Reconstruction};
+use crate::batch::record::{Ghosting, ReconstructionNumbers};
 use crate::metrics::summarise;
-use crate::scene::CameraTrack;
+use crate::scene::{CameraTrack, ReconstructionInfo, RestInfo};
 use maud::{Markup, html};
+
+/// Its place in the page.
+pub const ANCHOR: &str = "reconstruction";
+
+/// Its heading: the name of the reconstruction where there is one alone.
+pub fn heading(view: &View<'_>) -> &'static str {
+    match view.reconstructions() {
+        [only] => only.title,
+        _ => "Reconstruction",
+    }
+}
+
+/// What a frame is, in sentences.
+fn frame(info: &ReconstructionInfo) -> String {
+    let RestInfo { frames, exact } = info.rest;
+    let rest = match exact {
+        true => "A camera at rest sees the full picture after",
+        false => "The picture of a camera at rest changes no more after",
+    };
+    let frames = match frames {
+        1 => "one frame".to_owned(),
+        4 => "four frames".to_owned(),
+        n => format!("{n} frames"),
+    };
+    let words = info.frame;
+    format!("{words} {rest} {frames}; times are those of a camera at rest.")
+}
 
 /// The section; nothing where every cell is `full`.
 pub fn section(view: &View<'_>) -> Markup {
     if view.cases.iter().all(|case| cells(case).is_empty()) {
         return html! {};
     }
+    let several = view.reconstructions().len() > 1;
     html! {
-        section #temporal {
-            h2 { "Temporal integration" }
+        section id=(ANCHOR) {
+            h2 { (heading(view)) }
             p {
-                "A frame marches one pixel of every 2 × 2 block; the others come from the picture before, reprojected by "
-                "the mean depth of what is seen. A camera at rest sees the full picture after four frames; times are those "
-                "of a camera at rest. Ghosting is the relative RMSE of each frame of a moving camera against the full render "
+                @for info in view.reconstructions() {
+                    @if several { code { (info.id) } ": " }
+                    (frame(info)) " "
+                }
+                "Ghosting is the relative RMSE of each frame of a moving camera against the full render "
                 "of that frame by the same method, over pixels where either shows cloud. Truth and other methods play no "
                 "part in it, and the map is made anew in every frame."
             }
@@ -33,7 +64,7 @@ pub fn section(view: &View<'_>) -> Markup {
     }
 }
 
-fn cells<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, &'a Reconstruction)> {
+fn cells<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, &'a ReconstructionNumbers)> {
     let parts = |shot: Shot<'a>| Some((shot, shot.numbers.reconstruction.as_ref()?));
     case.shots().into_iter().filter_map(parts).collect()
 }
@@ -41,7 +72,7 @@ fn cells<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, &'a Reconstruction)> {
 /// Every curve, track by track.
 fn curves<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, CameraTrack, &'a Ghosting)> {
     let of = |track| {
-        let curve = move |(shot, parts): (Shot<'a>, &'a Reconstruction)| {
+        let curve = move |(shot, parts): (Shot<'a>, &'a ReconstructionNumbers)| {
             Some((shot, track, parts.ghosting.get(&track)?))
         };
         cells(case).into_iter().filter_map(curve)
@@ -72,7 +103,7 @@ fn ratio(frame: &Shot<'_>, full: &Shot<'_>) -> Option<f64> {
     }
 }
 
-fn costs(view: &View<'_>, case: &Case<'_>, cells: &[(Shot<'_>, &Reconstruction)]) -> Markup {
+fn costs(view: &View<'_>, case: &Case<'_>, cells: &[(Shot<'_>, &ReconstructionNumbers)]) -> Markup {
     let head = html! {
         th scope="col" { "Method" }
         th scope="col" { "Setting" }
@@ -97,12 +128,27 @@ fn costs(view: &View<'_>, case: &Case<'_>, cells: &[(Shot<'_>, &Reconstruction)]
             }
         }
     };
+    let infos = distinct(cells.iter().map(|(shot, _)| shot.cell.reconstruct));
     let caption = html! {
-        "Median times of a full picture, of one frame (a quarter of the pixels marched) and of its passes, camera at rest; "
-        "the ratio is the median of those inside rounds. Relative RMSE against the full render; bytes of the two pictures "
-        "that are remembered." (super::clock::sentence(view))
+        "Median times of a full picture, of one frame (" (shares(&infos)) " of the pixels marched) and of its passes, camera at "
+        "rest; the ratio is the median of those inside rounds. Relative RMSE against the full render; bytes of " (history(&infos))
+        "." (super::clock::sentence(view))
     };
     parts::table(view, caption, "small", head, body)
+}
+
+/// Shares of the pixels that frames march.
+fn shares(infos: &[&ReconstructionInfo]) -> String {
+    distinct(infos.iter().map(|info| info.share())).join(" or ")
+}
+
+/// What frames remember.
+fn history(infos: &[&ReconstructionInfo]) -> String {
+    let histories = infos.iter().filter_map(|info| info.history);
+    match distinct(histories.map(|history| history.what)).as_slice() {
+        [] => "what is remembered: none".to_owned(),
+        all => all.join(" or "),
+    }
 }
 
 fn ghosting(view: &View<'_>, curves: &[(Shot<'_>, CameraTrack, &Ghosting)]) -> Markup {

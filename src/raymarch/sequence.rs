@@ -1,0 +1,253 @@
+//! Frames that follow each other on a device: where each is marched to, and the passes after its march that make a picture
+//! of what was marched.
+//!
+//! A reconstruction ([`crate::reconstruct`]) brings a [`DeviceSequence`]; what a frame needs to be marched is the same for
+//! all of them and is kept in its [`Frames`]. A sequence outlives the view of a frame: a camera that moves has a view, and
+//! so a [`super::Prepared`], of its own in every frame.
+
+use super::picture::Picture;
+use super::{Renderer, View};
+use crate::error::{Error, Result};
+use crate::frame::Frame;
+use crate::gpu::{Defs, Flight, Gpu, Inputs, Kernel, Program, Span, UniformValue};
+use crate::scene::{Camera, ImageSize, Pattern, Subset};
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+/// A pass after the march of a frame. It binds by name what [`DeviceSequence::inputs`] offers, the picture that was marched
+/// to (`radiance_out`, `sun_out`, `inverse_depth_out`), the marched pixels (`subset`) and the uniforms of the scene.
+#[derive(Clone, Debug)]
+pub struct AfterPass {
+    /// File with the entry point, path below `shaders/`.
+    pub entry: &'static str,
+    /// Shader definitions.
+    pub defs: Defs,
+    /// Threads along x and y.
+    pub threads: [u32; 2],
+}
+
+/// The device part of a reconstruction: a sequence of frames of one image size.
+pub trait DeviceSequence {
+    /// Where its frames are marched to, and how many there were.
+    fn frames(&self) -> &Frames;
+
+    /// The passes after the march of every frame, in order.
+    fn passes(&self) -> Vec<AfterPass> {
+        Vec::new()
+    }
+
+    /// What those of the next frame, seen by `camera`, read beside what every pass may.
+    fn inputs(&self, _camera: &Camera) -> Inputs {
+        Inputs::default()
+    }
+}
+
+/// The state that every sequence of frames has.
+pub struct Frames {
+    pattern: Pattern,
+    /// Pictures that take turns; none to march into the view's own.
+    pictures: Vec<Picture>,
+    /// Next frame, counted modulo [`Frames::turns`].
+    turn: Cell<usize>,
+    /// Camera of the frame before; `None` at the start of the sequence.
+    camera: RefCell<Option<Camera>>,
+}
+
+impl Frames {
+    /// Frames that march `pattern` into `count` pictures of their own, which take turns: so a frame finds those before it.
+    pub fn new(
+        gpu: &Gpu,
+        image: ImageSize,
+        pattern: Pattern,
+        count: usize,
+        inverse_depth: bool,
+    ) -> Result<Self> {
+        let picture = |_| Picture::new(gpu, image, inverse_depth);
+        let pictures = (0..count).map(picture).collect();
+        gpu.check()?;
+        Ok(Self {
+            pictures,
+            ..Self::in_view(pattern)
+        })
+    }
+
+    /// Frames that march `pattern` into the picture of their view and remember nothing.
+    pub fn in_view(pattern: Pattern) -> Self {
+        Self {
+            pattern,
+            pictures: Vec::new(),
+            turn: Cell::new(0),
+            camera: RefCell::new(None),
+        }
+    }
+
+    /// Frames that march every pixel, without passes after that.
+    pub fn full() -> Rc<dyn DeviceSequence> {
+        Rc::new(Self::in_view(Pattern::EVERY))
+    }
+
+    /// The pixels that the next frame marches.
+    pub fn subset(&self) -> Subset {
+        self.pattern.subset(self.turn.get())
+    }
+
+    /// The picture that the last frame was marched to, if the sequence has pictures of its own.
+    pub fn before(&self) -> Option<&Picture> {
+        self.picture(self.turn.get() + self.turns() - 1)
+    }
+
+    /// Camera of the last frame; `None` before the first.
+    pub fn camera_before(&self) -> Option<Camera> {
+        self.camera.borrow().clone()
+    }
+
+    /// Bytes of its own pictures.
+    pub fn bytes(&self) -> u64 {
+        self.pictures.iter().map(Picture::bytes).sum()
+    }
+
+    /// Frames until the same picture is marched to at the same pixels again.
+    fn turns(&self) -> usize {
+        let (frames, pictures) = (self.pattern.frames(), self.pictures.len().max(1));
+        let mut turns = frames;
+        while !turns.is_multiple_of(pictures) {
+            turns += frames;
+        }
+        turns
+    }
+
+    fn picture(&self, turn: usize) -> Option<&Picture> {
+        self.pictures.get(turn % self.pictures.len().max(1))
+    }
+
+    fn advance(&self, camera: &Camera) {
+        self.turn.set((self.turn.get() + 1) % self.turns());
+        self.camera.replace(Some(camera.clone()));
+    }
+}
+
+impl DeviceSequence for Frames {
+    fn frames(&self) -> &Frames {
+        self
+    }
+}
+
+/// A sequence seen by one view: where the march writes, and the compiled passes after it.
+pub(super) struct Outputs {
+    sequence: Rc<dyn DeviceSequence>,
+    view: Picture,
+    scene: Inputs,
+    camera: Camera,
+    passes: Vec<(Rc<Kernel>, [u32; 2])>,
+    /// What the march of each turn writes.
+    turns: Vec<Inputs>,
+}
+
+impl Outputs {
+    pub fn new(
+        renderer: &Renderer,
+        view: &View,
+        sequence: &Rc<dyn DeviceSequence>,
+    ) -> Result<Self> {
+        let frames = sequence.frames();
+        let fits = |picture: &Picture| picture.image() == view.image;
+        if !frames.pictures.iter().all(fits) {
+            let problem = "a sequence of frames has pictures of another size than its view";
+            return Err(Error::defect("raymarch", problem));
+        }
+        let compile = |pass: AfterPass| {
+            let program = Program {
+                entry: pass.entry,
+                roles: Vec::new(),
+                defs: pass.defs,
+            };
+            Ok((renderer.kernel(&program)?, pass.threads))
+        };
+        let passes = sequence.passes().into_iter().map(compile);
+        let output = |turn| {
+            let picture = frames.picture(turn).unwrap_or(&view.picture);
+            output(picture, frames.pattern.subset(turn))
+        };
+        Ok(Self {
+            sequence: sequence.clone(),
+            view: view.picture.clone(),
+            scene: view.inputs.clone(),
+            camera: view.scene.camera.clone(),
+            passes: passes.collect::<Result<_>>()?,
+            turns: (0..frames.turns()).map(output).collect(),
+        })
+    }
+
+    /// Definitions of a march that writes here.
+    pub fn define(&self, defs: &mut Defs) {
+        let Frames {
+            pattern, pictures, ..
+        } = self.sequence.frames();
+        if *pattern != Pattern::EVERY {
+            defs.insert("SUBSET".into(), None);
+        }
+        if pictures.iter().any(|p| p.inverse_depth().is_some()) {
+            defs.insert("INVERSE_DEPTH".into(), None);
+        }
+    }
+
+    /// Threads of a march that writes here: one for each block of the picture.
+    pub fn threads(&self) -> [u32; 2] {
+        self.sequence.frames().subset().blocks(self.view.image())
+    }
+
+    /// What the march of each turn writes.
+    pub fn turns(&self) -> &[Inputs] {
+        &self.turns
+    }
+
+    /// The turn of the next frame.
+    pub fn turn(&self) -> usize {
+        self.sequence.frames().turn.get()
+    }
+
+    /// What the passes of the next frame bind.
+    pub fn bind(&self, gpu: &Gpu) -> Result<Vec<Vec<wgpu::BindGroup>>> {
+        let own = self.sequence.inputs(&self.camera);
+        let inputs = [&own, &self.turns[self.turn()], &self.scene];
+        let passes = self.passes.iter();
+        passes
+            .map(|(kernel, _)| kernel.bind(gpu, &inputs))
+            .collect()
+    }
+
+    /// Records those passes.
+    pub fn record(&self, flight: &mut Flight, groups: &[Vec<wgpu::BindGroup>]) -> Vec<Span> {
+        let passes = self.passes.iter().zip(groups);
+        let record = |((kernel, [x, y]), groups): (&(Rc<Kernel>, [u32; 2]), &Vec<_>)| {
+            flight.dispatch(kernel, groups, [*x, *y, 1], None)
+        };
+        passes.map(record).collect()
+    }
+
+    /// The next frame is recorded: the one after it has its turn.
+    pub fn advance(&self) {
+        self.sequence.frames().advance(&self.camera);
+    }
+
+    /// The picture of the last frame.
+    pub fn read(&self, gpu: &Gpu) -> Result<Frame> {
+        let picture = self.sequence.frames().before();
+        picture.unwrap_or(&self.view).read(gpu)
+    }
+}
+
+fn output(picture: &Picture, subset: Subset) -> Inputs {
+    let mut inputs = Inputs::default();
+    picture.offer(
+        &mut inputs,
+        ["radiance_out", "sun_out", "inverse_depth_out"],
+    );
+    let members = [
+        ("block", UniformValue::UVec2(subset.block)),
+        ("offset", UniformValue::UVec2(subset.offset)),
+        ("shear", UniformValue::U32(subset.shear)),
+    ];
+    inputs.uniform("subset", members);
+    inputs
+}
