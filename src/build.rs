@@ -181,7 +181,7 @@ pub fn computing_crates(lock: &str) -> String {
 
 /// How git is asked.
 pub struct Git<'a> {
-    /// Its program.
+    /// The program to run.
     pub program: &'a str,
     /// Folder of this package.
     pub root: &'a Path,

@@ -33,7 +33,7 @@ enum Kind<'v> {
     Oracle {
         oracle: &'v Oracle,
         sequence: Rc<RefCell<Box<dyn OracleSequence>>>,
-        /// Of the last frame.
+        /// Counts of the last frame.
         counts: Cell<Option<Counts>>,
     },
 }

@@ -20,7 +20,7 @@ use crate::scene::{CameraTrack, ReconstructionInfo, Track};
 /// A cell on the move.
 struct Case {
     cell: Cell,
-    /// Its frames so far, or why it has no numbers.
+    /// Frames so far, or why the cell has no numbers.
     moving: Result<Moving, String>,
 }
 

@@ -89,7 +89,7 @@ pub struct Metric {
     pub group: Group,
     /// What has to be rendered for it.
     pub origin: Origin,
-    /// Its value in a record; `None` where it is absent.
+    /// Value in a record; `None` where it is absent.
     pub get: fn(&ErrorNumbers) -> Option<f64>,
 }
 

@@ -7,7 +7,7 @@ use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, Plan};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
-/// See the module.
+/// Beer shadow map.
 pub struct Bsm;
 
 const PARAMS: &[ParamSpec] = &[

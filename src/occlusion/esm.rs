@@ -7,7 +7,7 @@ use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, Plan};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
-/// See the module.
+/// Exponential shadow map.
 pub struct Esm;
 
 const PARAMS: &[ParamSpec] = &[

@@ -7,7 +7,7 @@ use super::{LightOcclusion, MAP_PARAMS, Plan};
 use crate::error::Result;
 use crate::param::Params;
 
-/// See the module.
+/// The uncompressed column.
 pub struct Floor;
 
 const TRIALS: Trials = Trials {

@@ -9,7 +9,7 @@ use crate::param::{Applies, AsPrinted, ParamKind, ParamSpec, Params};
 use crate::shader_defs::Defs;
 use std::f64::consts::{PI, TAU};
 
-/// See the module.
+/// Fourier opacity map.
 pub struct Fom;
 
 const PARAMS: &[ParamSpec] = &[

@@ -55,7 +55,7 @@ pub const REGISTRY: &[&dyn LightOcclusion] = &[
 
 /// A strategy.
 pub trait LightOcclusion: Sync {
-    /// Its description.
+    /// What the method says of itself.
     fn info(&self) -> &'static MethodInfo;
 
     /// What it needs at `params`; the default is a method without a map.
@@ -68,7 +68,7 @@ pub trait LightOcclusion: Sync {
         Ok(Vec::new())
     }
 
-    /// Its f64 twin at `params`.
+    /// The f64 twin at `params`.
     fn oracle(&self, params: &Params) -> Result<Twin>;
 
     /// Most loop turns that one `light_transmittance` takes, when no ray is longer than `longest_path_m`. The default

@@ -6,7 +6,7 @@ use super::twin::{LightRay, March, Twin};
 use crate::error::Result;
 use crate::param::Params;
 
-/// See the module.
+/// No occlusion, V = 1.
 pub struct None;
 
 impl LightOcclusion for None {

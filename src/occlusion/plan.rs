@@ -138,7 +138,7 @@ pub enum StorableFormat {
 
 /// A pass of a method's own, timed with the column pass as `generate`.
 ///
-/// Its entry point stands in the method's WGSL file and imports `method_pass::{in_tile, place, count_samples}`: passes
+/// The entry point stands in the method's WGSL file and imports `method_pass::{in_tile, place, count_samples}`: passes
 /// are cut into tiles of whole workgroups, and what takes density samples counts them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MethodPass {

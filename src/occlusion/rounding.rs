@@ -25,9 +25,9 @@ pub enum Format {
 /// How values are rounded where a device would round them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rounding {
-    /// Of a map's stored values.
+    /// Format of a map's stored values.
     pub storage: Format,
-    /// Of what a method computes before it stores and after it loads, operation by operation.
+    /// Format of what a method computes before it stores and after it loads, operation by operation.
     pub arithmetic: Format,
     /// Denormals of both become 0 with their sign.
     pub flush_denormals: bool,

@@ -6,7 +6,7 @@ use super::twin::{LightRay, March, Twin, march};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
-/// See the module.
+/// Secondary march.
 pub struct Srm;
 
 const PARAMS: &[ParamSpec] = &[

@@ -6,7 +6,7 @@ use super::twin::{LightRay, March, OPAQUE_TAU, Twin};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
-/// See the module.
+/// Secondary march in constant steps, what all others are compared with.
 pub struct Truth;
 
 const TRIALS: Trials = Trials {

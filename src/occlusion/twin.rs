@@ -16,9 +16,9 @@ const FRONT_TRANSMITTANCE: f64 = 0.99;
 /// Steps of the march that answers outside a map.
 const FALLBACK_STEPS: u32 = 6;
 
-/// Extinction along a straight way inside the layer, gaps excluded.
+/// Extinction along a light ray inside the layer, gaps excluded.
 pub trait LightRay {
-    /// Length of the way, metres, ≥ 0.
+    /// Length of the ray, metres, ≥ 0.
     fn length_m(&self) -> f64;
 
     /// Extinction at distance `s_m` along it, m⁻¹, ≥ 0.
@@ -32,9 +32,9 @@ pub trait LightRay {
 
 /// A twin.
 pub enum Twin {
-    /// Of a method that marches from every sample.
+    /// A method that marches from every sample.
     March(Box<dyn March>),
-    /// Of a method that reads a map.
+    /// A method that reads a map.
     Map(Box<dyn Encoding>),
 }
 

@@ -56,7 +56,7 @@ impl Rule {
     }
 }
 
-/// See the module.
+/// A light map whose texels are marched when they are first asked for.
 pub(super) struct LightMap {
     rectangle: MapRectangle,
     container: Container,

@@ -64,7 +64,7 @@ impl Picture {
         })
     }
 
-    /// Its size in pixels.
+    /// Size in pixels.
     pub(super) fn image(&self) -> ImageSize {
         self.image
     }

@@ -16,7 +16,7 @@ pub struct View {
     pub scene: Scene,
     /// Picture size.
     pub image: ImageSize,
-    /// Its density field.
+    /// Density field of the scene.
     pub density: Rc<DeviceField>,
     pub(super) inputs: Inputs,
     pub(super) defs: Defs,

@@ -32,7 +32,7 @@ pub const REGISTRY: &[&dyn Reconstruction] = &[&full::Full, &temporal_2x2::TEMPO
 
 /// A way to make pictures of what frames march.
 pub trait Reconstruction: Sync {
-    /// Its description.
+    /// What it is, marches and remembers.
     fn info(&self) -> &'static ReconstructionInfo;
 
     /// A sequence of frames on a device that remembers nothing yet.

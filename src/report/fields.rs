@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 pub struct Field {
     /// `error.rel_rmse`.
     pub name: String,
-    /// It may be `null` or absent.
+    /// The value may be `null` or absent.
     pub optional: bool,
     /// One number or text, not a list, a map or a group of members.
     pub scalar: bool,
@@ -41,7 +41,7 @@ fn walk(schema: &Value, prefix: &str, fields: &mut Vec<Field>) {
     }
 }
 
-/// Of "this or null", this.
+/// The schema of a value that may also be null, without the null.
 fn something(schema: &Value) -> &Value {
     let choices = schema["anyOf"].as_array().into_iter().flatten();
     let mut choices = choices.filter(|choice| choice["type"] != "null");

@@ -30,9 +30,9 @@ pub enum Shown {
 /// A number that was measured once in each round.
 #[derive(Clone, Copy, Debug)]
 pub struct Repeats {
-    /// Its value in each round; empty where rounds are not recorded.
+    /// Value in each round; empty where rounds are not recorded.
     pub rounds: fn(&Measured) -> &[Option<f64>],
-    /// Its statistics, by the clock of the report.
+    /// Statistics over the rounds, by the clock of the report.
     pub stats: fn(&Measured, Clock) -> Option<Stats>,
 }
 
@@ -55,7 +55,7 @@ pub struct CellNumber {
     pub study: Option<&'static str>,
     /// Where it is known by round.
     pub repeats: Option<Repeats>,
-    /// It is never positive, so a study is given its size.
+    /// Never positive: studies are given the size.
     negative: bool,
     get: Getter,
 }
@@ -83,7 +83,7 @@ impl CellNumber {
         }
     }
 
-    /// Its value; `None` where it is absent.
+    /// The value; `None` where it is absent.
     pub fn value(&self, measured: &Measured) -> Option<f64> {
         match self.get {
             Getter::Cell(get) => get(measured),
@@ -91,7 +91,7 @@ impl CellNumber {
         }
     }
 
-    /// Its value as studies compare it: the size of a number that is never positive.
+    /// The value as studies compare it: the size of a number that is never positive.
     pub fn study_value(&self, measured: &Measured) -> Option<f64> {
         let value = self.value(measured)?;
         Some(if self.negative { -value } else { value })

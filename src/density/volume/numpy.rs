@@ -43,7 +43,7 @@ pub fn file_of(path: &Path) -> FilePart {
 
 /// Reads `volume.path` (already resolved) and turns its axes into world axes.
 ///
-/// Of a `.npz` archive the only array is read, or the one named behind a colon: `clouds.npz:density`.
+/// From a `.npz` archive the only array is read, or the one named behind a colon: `clouds.npz:density`.
 pub fn load(volume: &Volume) -> Result<Grid> {
     let axes = Axes::new(volume)?;
     let member = open(&volume.path)?;

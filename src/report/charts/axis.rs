@@ -126,7 +126,7 @@ pub struct Axis {
 pub struct Tick {
     /// Position, 0 to 1.
     pub at: f64,
-    /// Its text.
+    /// Text beside the tick.
     pub text: String,
     /// Labels of a smaller rank win where there is no room for all.
     pub rank: u8,

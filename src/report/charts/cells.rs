@@ -106,7 +106,7 @@ fn frontiers(view: &View<'_>, dots: &[Dot<'_>]) -> [Series; 2] {
 
 /// A parameter as the horizontal axis.
 pub struct Sweep {
-    /// Its name.
+    /// Name of the parameter.
     pub param: &'static str,
     /// Title of the axis.
     pub axis: &'static str,

@@ -158,7 +158,7 @@ pub struct Bar {
     pub name: &'static str,
     /// How it is drawn.
     pub shape: Shape,
-    /// Its number in words.
+    /// The number in words.
     pub text: String,
 }
 

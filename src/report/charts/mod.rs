@@ -45,13 +45,13 @@ struct Kind {
 
 /// Where the data of a chart come from, with a line on how to read them; no data, no chart.
 enum Source {
-    /// Of each case: one number against another, a point for each cell, and the frontier of both.
+    /// For each case: one number against another, a point for each cell, and the frontier of both.
     Cells(&'static Number, &'static Number),
-    /// Of each case: a number over a parameter, a line for each remaining setting.
+    /// For each case: a number over a parameter, a line for each remaining setting.
     Sweep(Sweep, &'static Number),
-    /// Of each case: a function of the chart's own.
+    /// For each case: a function of the chart's own.
     Case(fn(&View<'_>, &Case<'_>) -> Option<(Data, String)>),
-    /// Of the whole report: a function of the chart's own.
+    /// For the whole report: a function of the chart's own.
     Report(fn(&View<'_>) -> Option<(Data, String)>),
 }
 

@@ -8,7 +8,7 @@ pub type Range = Option<[f64; 2]>;
 
 /// A number that every cell may have.
 pub struct Number {
-    /// Its axis.
+    /// Axis that shows the number.
     pub axis: fn(&View<'_>) -> AxisSpec,
     /// The number and its range.
     pub of: fn(&Shot<'_>) -> Option<(f64, Range)>,

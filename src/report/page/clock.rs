@@ -144,7 +144,7 @@ fn busy(measured: &Measured) -> Option<f64> {
     Some(times.total?.median / times.wall?.median)
 }
 
-/// Of the rounds' times; `None` where they are too few or some round has none.
+/// First and last third of the rounds' times; `None` where they are too few or some round has none.
 fn rounds_thirds(measured: &Measured) -> Option<Thirds> {
     let times: Option<Vec<f64>> = measured.rounds_total_ms.iter().copied().collect();
     thirds(&times?)

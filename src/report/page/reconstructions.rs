@@ -10,10 +10,10 @@ use crate::metrics::summarise;
 use crate::scene::{CameraTrack, ReconstructionInfo, RestInfo};
 use maud::{Markup, html};
 
-/// Its place in the page.
+/// Id of the section.
 pub const ANCHOR: &str = "reconstruction";
 
-/// Its heading: the name of the reconstruction where there is one alone.
+/// Heading of the section: the name of the reconstruction where there is one alone.
 pub fn heading(view: &View<'_>) -> &'static str {
     match view.reconstructions() {
         [only] => only.title,
