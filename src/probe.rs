@@ -25,12 +25,12 @@ pub struct Probe {
     /// T(d) of the truth: cumulative midpoint quadrature in f64, at most a tenth of the truth's step.
     pub truth: Vec<f64>,
     /// One curve a method that was asked, in that order.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<MethodCurve>,
 }
 
 /// T(d) of a method, as the oracle's pictures have it: by its map where it has one, stored values rounded.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct MethodCurve {
     /// Id of the method.
     pub method: &'static str,
     /// T at each depth.
@@ -85,7 +85,7 @@ impl Probe {
     }
 }
 
-impl Curve {
+impl MethodCurve {
     /// What is marked at depth `i`: `fom:outside`, `bsm:clamped`.
     fn mark(&self, i: usize) -> Option<String> {
         if self.outside[i] {
@@ -115,7 +115,7 @@ fn truth(oracle: &Oracle, column: &LightColumn, step_m: f64) -> Vec<f64> {
     truth
 }
 
-fn curve(setup: &MethodSetup, transmittance: Vec<f64>, truth: &[f64]) -> Result<Curve> {
+fn curve(setup: &MethodSetup, transmittance: Vec<f64>, truth: &[f64]) -> Result<MethodCurve> {
     let info = setup.method.info();
     let has_map = setup.method.plan(&setup.params)?.map_values().is_some();
     let least = truth.last().copied().unwrap_or(1.0);
@@ -125,7 +125,7 @@ fn curve(setup: &MethodSetup, transmittance: Vec<f64>, truth: &[f64]) -> Result<
         has_map && !info.monotone && (rises || t < least - ROUNDING)
     };
     let outside = (0..transmittance.len()).map(outside).collect();
-    Ok(Curve {
+    Ok(MethodCurve {
         method: info.id,
         clamped_from: info.bounded.then(|| levels_off(&transmittance)).flatten(),
         outside,

@@ -9,7 +9,7 @@ use occlab::occlusion::{REGISTRY, Registry};
 use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
 use occlab::scene::Density;
-use occlab::stability::{Event, Profile, Sweep, Verdict, run, thresholds};
+use occlab::stability::{FormVerdict, Profile, Sweep, SweepEvent, run, thresholds};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -25,9 +25,9 @@ fn on_oracle(stability: &Stability, folder: &Path) -> (Sweep, usize, usize) {
     let (mut found, mut measured) = (0, 0);
     let sweep = run(stability, Profile::Quick, None, folder, &mut |event| {
         match event {
-            Event::Planned { done, .. } => found = done,
-            Event::Case(_) => measured += 1,
-            Event::Begins(_) => {}
+            SweepEvent::Planned { done, .. } => found = done,
+            SweepEvent::Case(_) => measured += 1,
+            SweepEvent::Begins(_) => {}
         }
         ControlFlow::Continue(())
     });
@@ -80,7 +80,7 @@ fn stable_forms_hold_at_every_extreme() {
             let s = &row.setting;
             s.method == method && s.storage == storage && s.form == "published"
         });
-        rows.filter(|row| row.oracle().verdict == Verdict::Breaks)
+        rows.filter(|row| row.oracle().verdict == FormVerdict::Breaks)
             .count()
     };
     assert_eq!(broken("ESM c·z", "104", "esm", "f32"), 3);

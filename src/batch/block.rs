@@ -14,7 +14,7 @@ use super::rounds::{self, Round};
 use super::view_steps::view_step_error;
 use super::{Event, Observer, Task, flicker, reconstruct, stage, tell};
 use crate::backend::{Prepared, View};
-use crate::config::{CellSpec, View as MatrixView};
+use crate::config::{CellSpec, MatrixView};
 use crate::cost::Counting;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -30,7 +30,7 @@ use std::collections::HashMap;
 pub(super) const BLOCK_BYTES: u64 = 2 << 30;
 
 /// A cell being measured.
-struct Run<'a> {
+struct TimedCell<'a> {
     spec: &'a CellSpec,
     setup: MethodSetup,
     prepared: Prepared<'a>,
@@ -40,7 +40,7 @@ struct Run<'a> {
     rounds: Vec<Round>,
 }
 
-impl Run<'_> {
+impl TimedCell<'_> {
     /// The first run, whose picture is kept: one frame, waited for.
     fn first(&mut self) -> Result<Round> {
         let filled_s = reconstruct::fill(&self.prepared, self.spec.reconstruct)?;
@@ -225,12 +225,12 @@ impl<'a> Bench<'a> {
         Ok(&specs[taken..])
     }
 
-    fn prepare(&self, spec: &'a CellSpec) -> Result<Run<'a>> {
+    fn prepare(&self, spec: &'a CellSpec) -> Result<TimedCell<'a>> {
         let setup = setup(spec)?;
         let backend = self.task.backend;
         let sequence = backend.sequence(spec.reconstruct, self.matrix.image)?;
         let prepared = backend.prepare(self.view, &setup, &sequence)?;
-        Ok(Run {
+        Ok(TimedCell {
             spec,
             setup,
             prepared,
@@ -240,7 +240,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    fn rounds(&mut self, runs: &mut [Run], block: usize, observe: Observer) -> Result<()> {
+    fn rounds(&mut self, runs: &mut [TimedCell], block: usize, observe: Observer) -> Result<()> {
         if runs.is_empty() {
             return Ok(());
         }
@@ -289,7 +289,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    fn measure(&mut self, run: Run, block: usize) -> Result<Cell> {
+    fn measure(&mut self, run: TimedCell, block: usize) -> Result<Cell> {
         let frame = run
             .frame
             .ok_or_else(|| Error::defect("batch", "a cell was never rendered"))?;

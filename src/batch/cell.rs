@@ -3,7 +3,7 @@
 use super::record::{Cell, Times};
 use super::rounds::Round;
 use super::{Event, Observer, Task, tell};
-use crate::config::{CellSpec, View as MatrixView};
+use crate::config::{CellSpec, MatrixView};
 use crate::error::{Error, Result};
 use crate::metrics::summarise;
 use crate::occlusion::MethodSetup;

@@ -9,7 +9,7 @@ use super::cell::setup;
 use super::record::{Cell, Measured, TrackRecord};
 use super::{Event, Observer, Task, stage, tell};
 use crate::backend::View;
-use crate::config::{CellSpec, View as MatrixView};
+use crate::config::{CellSpec, MatrixView};
 use crate::cost::Counting;
 use crate::error::{Error, Result};
 use crate::metrics::{ErrorNumbers, Flicker};
@@ -19,7 +19,7 @@ use crate::scene::Track;
 use crate::truth::Truth;
 
 /// A cell on the move: its number so far, or why it has none.
-struct Case {
+struct FlickerCell {
     cell: Cell,
     setup: MethodSetup,
     flicker: Result<Flicker, String>,
@@ -60,7 +60,7 @@ fn open_case(
     matrix: &MatrixView,
     spec: &CellSpec,
     track: Track,
-) -> Result<Option<Case>> {
+) -> Result<Option<FlickerCell>> {
     let mut cell = task.store.cell(&task.identity.cell(matrix, spec))?;
     let noted = |result: &Measured| {
         let start = note(track, "");
@@ -71,7 +71,7 @@ fn open_case(
         .as_mut()
         .is_some_and(|result| number(&mut result.error, track).is_none() && !noted(result));
     Ok(if open {
-        Some(Case {
+        Some(FlickerCell {
             cell,
             setup: setup(spec)?,
             flicker: Ok(Flicker::default()),
@@ -86,7 +86,7 @@ fn run_track(
     task: &Task,
     matrix: &MatrixView,
     track: Track,
-    cases: &mut [Case],
+    cases: &mut [FlickerCell],
     observe: Observer,
 ) -> Result<f64> {
     let mut passes_s = 0.0;
@@ -134,7 +134,7 @@ fn frame_truth(
 }
 
 /// One frame of one case; returns the seconds of its passes.
-fn run_case(task: &Task, view: &View, truth: &Truth, case: &mut Case) -> Result<f64> {
+fn run_case(task: &Task, view: &View, truth: &Truth, case: &mut FlickerCell) -> Result<f64> {
     let Ok(flicker) = &mut case.flicker else {
         return Ok(0.0);
     };
@@ -157,11 +157,11 @@ fn run_case(task: &Task, view: &View, truth: &Truth, case: &mut Case) -> Result<
 fn record(
     task: &Task,
     matrix: &MatrixView,
-    case: Case,
+    case: FlickerCell,
     track: Track,
     observe: Observer,
 ) -> Result<()> {
-    let Case {
+    let FlickerCell {
         mut cell, flicker, ..
     } = case;
     let value = flicker.and_then(|f| f.value().map_err(|e: Error| e.to_string()));

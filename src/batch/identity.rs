@@ -7,7 +7,7 @@
 
 use super::record::{InputFile, SceneRecord};
 use crate::backend::Backend;
-use crate::config::{CellSpec, Matrix, View};
+use crate::config::{CellSpec, Matrix, MatrixView};
 use crate::density::volume::file_of;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
@@ -57,13 +57,13 @@ impl Identity {
     }
 
     /// Names a view, and so its truth.
-    pub fn view(&self, view: &View) -> String {
+    pub fn view(&self, view: &MatrixView) -> String {
         let scene = self.content(&view.scene);
         digest(&json!([self.sources, scene, view.image]))
     }
 
     /// Names a cell.
-    pub fn cell(&self, view: &View, spec: &CellSpec) -> String {
+    pub fn cell(&self, view: &MatrixView, spec: &CellSpec) -> String {
         let mut all = vec![
             json!(self.sources),
             self.content(&view.scene),

@@ -18,18 +18,18 @@ mod store;
 mod view_steps;
 
 use crate::backend::Backend;
-use crate::config::{Experiment, View as MatrixView};
+use crate::config::{Experiment, MatrixView};
 use crate::error::{Error, Result};
 use crate::truth::TruthCache;
 pub use cell::planned_cell;
 use identity::Identity;
 use lock::Lock;
-pub use plan::{Plan, report_file};
+pub use plan::{BatchPlan, report_file};
 use record::{Cell, Reference, Report, SCHEMA, SceneRecord, WallClock};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use store::{State, Store};
+use store::{FolderState, Store};
 
 /// What happens during a batch.
 #[derive(Clone, Debug)]
@@ -93,14 +93,14 @@ pub fn run(
     cache: Option<&TruthCache>,
     observe: Observer,
 ) -> Result<Report> {
-    let plan = Plan::new(experiment.clone())?;
+    let plan = BatchPlan::new(experiment.clone())?;
     measure(&plan, backend, folder, cache, observe)
 }
 
 /// Runs what is missing of a plan in `folder`, which no other run may use meanwhile; returns the report, which is not yet
 /// written.
 pub fn measure(
-    plan: &Plan,
+    plan: &BatchPlan,
     backend: &Backend,
     folder: &Path,
     cache: Option<&TruthCache>,
@@ -111,7 +111,7 @@ pub fn measure(
     let _lock = Lock::take(folder)?;
     let matrix = plan.matrix();
     let identity = Identity::new(backend, matrix)?;
-    let wanted = State {
+    let wanted = FolderState {
         experiment: plan.recorded().clone(),
         environment: backend.environment(),
         sources: identity.sources().to_owned(),
@@ -172,7 +172,7 @@ fn run_view(task: &Task, view: &MatrixView, observe: Observer) -> Result<f64> {
 
 /// The report of a folder from its records and its plan. Records are named by content, so that one may have been measured
 /// under another name of its file: what a cell is called is taken from the plan.
-fn assemble(plan: &Plan, identity: &Identity, store: &Store) -> Result<Report> {
+fn assemble(plan: &BatchPlan, identity: &Identity, store: &Store) -> Result<Report> {
     let mut cells = Vec::new();
     let mut references = Vec::new();
     let mut clock = Vec::new();

@@ -20,7 +20,7 @@ const REPORT: &str = "report.json";
 
 /// What a batch measures, and how.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct BatchPlan {
     experiment: Experiment,
     recorded: Value,
     matrix: Matrix,
@@ -53,7 +53,7 @@ pub fn report_file(path: &Path) -> Option<PathBuf> {
     is_report.then(|| path.to_owned())
 }
 
-impl Plan {
+impl BatchPlan {
     /// The matrix of an experiment.
     pub fn new(experiment: Experiment) -> Result<Self> {
         Ok(Self {

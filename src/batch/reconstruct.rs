@@ -9,7 +9,7 @@ use super::cell::setup;
 use super::record::{Cell, Ghosting, Measured, ReconstructionNumbers};
 use super::{Event, Observer, Task, stage, tell};
 use crate::backend::{Prepared, Sequence, View};
-use crate::config::{CellSpec, View as MatrixView};
+use crate::config::{CellSpec, MatrixView};
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::metrics::ghosting;

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// What a folder belongs to.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct State {
+pub(super) struct FolderState {
     pub experiment: Value,
     pub environment: Environment,
     /// Hash of the sources that decide the numbers; empty in folders of earlier versions.
@@ -27,7 +27,7 @@ pub(super) struct State {
 
 pub(super) struct Store {
     folder: PathBuf,
-    state: State,
+    state: FolderState,
 }
 
 const STATE: &str = "batch.json";
@@ -35,7 +35,7 @@ const STATE: &str = "batch.json";
 impl Store {
     /// Opens a folder for what a run wants to record, or makes it; also what the person who runs it should know. Records of
     /// anything else are refused, not mixed.
-    pub fn open(folder: &Path, wanted: State) -> Result<(Self, Vec<String>)> {
+    pub fn open(folder: &Path, wanted: FolderState) -> Result<(Self, Vec<String>)> {
         for sub in ["cells", "references", "clock", "images"] {
             let path = folder.join(sub);
             std::fs::create_dir_all(&path).map_err(Error::writing(&path))?;
@@ -45,10 +45,10 @@ impl Store {
         let state = match path.exists() {
             false => wanted,
             true => {
-                let found: State = read(&path)?;
+                let found: FolderState = read(&path)?;
                 refuse_other(folder, &found, &wanted)?;
                 notes = differences(&found, &wanted);
-                State {
+                FolderState {
                     inputs: wanted.inputs,
                     ..found
                 }
@@ -62,7 +62,7 @@ impl Store {
         Ok((store, notes))
     }
 
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &FolderState {
         &self.state
     }
 
@@ -151,7 +151,7 @@ impl Store {
     }
 }
 
-fn refuse_other(folder: &Path, found: &State, wanted: &State) -> Result<()> {
+fn refuse_other(folder: &Path, found: &FolderState, wanted: &FolderState) -> Result<()> {
     let refused = |problem: String| {
         let remedy = "Name another folder with --out, or remove this one.";
         Err(Error::input(folder.display().to_string(), problem, remedy))
@@ -161,7 +161,7 @@ fn refuse_other(folder: &Path, found: &State, wanted: &State) -> Result<()> {
     }
     let (theirs, ours) = (&found.environment, &wanted.environment);
     if found.sources != wanted.sources {
-        let sources = |state: &State| match state.sources.get(..12) {
+        let sources = |state: &FolderState| match state.sources.get(..12) {
             None if state.sources.is_empty() => "sources not recorded".to_owned(),
             start => format!("sources {}", start.unwrap_or(&state.sources)),
         };
@@ -188,7 +188,7 @@ fn refuse_other(folder: &Path, found: &State, wanted: &State) -> Result<()> {
 }
 
 /// What differs since the last run, though its records may be kept.
-fn differences(found: &State, wanted: &State) -> Vec<String> {
+fn differences(found: &FolderState, wanted: &FolderState) -> Vec<String> {
     let (theirs, ours) = (&found.environment.commit, &wanted.environment.commit);
     let program = (theirs != ours).then(|| {
         format!(

@@ -1,10 +1,10 @@
 //! `occlab batch` and `occlab report`.
 
 use super::progress::bar;
-use super::{Device, print_path, say};
+use super::{DeviceArgs, print_path, say};
 use occlab::batch::record::{Cell, Clock, Report};
-use occlab::batch::{Event, Plan, measure, report_file, report_folder};
-use occlab::config::shipped::{Kind, find};
+use occlab::batch::{BatchPlan, Event, measure, report_file, report_folder};
+use occlab::config::shipped::{FileKind, find};
 use occlab::config::{describe, load_experiment};
 use occlab::error::Error;
 use occlab::truth::TruthCache;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
-pub struct Batch {
+pub struct BatchArgs {
     /// Experiment file, or its name; any value in it may be a list, lists multiply into the matrix. Or a report, by its
     /// folder or its report.json: its cells are measured again, from the scenes and parameters that it holds.
     config: PathBuf,
@@ -27,15 +27,15 @@ pub struct Batch {
     #[arg(long)]
     no_cache: bool,
     #[command(flatten)]
-    device: Device,
+    device: DeviceArgs,
 }
 
-impl Batch {
+impl BatchArgs {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let report = report_file(&self.config);
         let plan = match &report {
-            Some(report) => Plan::of_report(report)?,
-            None => Plan::new(load_experiment(&find(Kind::Experiment, &self.config)?)?)?,
+            Some(report) => BatchPlan::of_report(report)?,
+            None => BatchPlan::new(load_experiment(&find(FileKind::Experiment, &self.config)?)?)?,
         };
         if self.dry_run {
             say(describe(plan.matrix()).trim_end())?;

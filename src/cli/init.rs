@@ -1,7 +1,7 @@
 //! `occlab init`.
 
 use super::say;
-use occlab::config::shipped::{Outcome, write_out};
+use occlab::config::shipped::{Copied, write_out};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -17,9 +17,9 @@ impl Init {
         let files = write_out(&self.folder)?;
         for (path, outcome) in &files {
             let what = match outcome {
-                Outcome::Written => "written",
-                Outcome::Same => "there already",
-                Outcome::Kept => "KEPT: yours differs from the built-in one",
+                Copied::Written => "written",
+                Copied::Same => "there already",
+                Copied::Kept => "KEPT: yours differs from the built-in one",
             };
             say(format!("{}: {what}", path.display()))?;
         }
@@ -29,7 +29,7 @@ impl Init {
                 .filter(|(_, outcome)| *outcome == wanted)
                 .count()
         };
-        let (written, kept) = (count(Outcome::Written), count(Outcome::Kept));
+        let (written, kept) = (count(Copied::Written), count(Copied::Kept));
         eprintln!(
             "{written} of {} files written, {kept} of yours kept as they are; nothing was overwritten",
             files.len()

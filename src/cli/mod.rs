@@ -38,21 +38,21 @@ pub struct Cli {
 enum Command {
     /// Open the window: switch methods, compare, probe. The same as `occlab` without a command.
     #[cfg(feature = "ui")]
-    View(view::View),
+    View(view::ViewArgs),
     /// Measure a matrix of scenes and methods, write a report; run it again to go on after an interruption.
-    Batch(batch::Batch),
+    Batch(batch::BatchArgs),
     /// Rebuild csv, charts and page of a report folder from its records.
     Report(batch::Rebuild),
     /// Render one picture of a scene with one method.
-    Render(render::Render),
+    Render(render::RenderArgs),
     /// Draw T(d) of every method against the truth along one light column: chart and CSV. Needs no adapter.
-    Probe(probe::Probe),
+    Probe(probe::ProbeArgs),
     /// Compare two pictures (EXR or PNG): every error number, and a signed difference picture.
     Diff(diff::Diff),
     /// Push every method to where its numbers end, on the oracle and on the device.
-    Stability(stability::Stability),
+    Stability(stability::StabilityArgs),
     /// Do a published comparison again: its experiments, figures and claims; without a name the studies are listed.
-    Study(study::Study),
+    Study(study::StudyArgs),
     /// Show the folder in which batches keep truths, or empty it.
     ///
     /// Batches and studies keep each truth, so that it is rendered once: in the user's cache folder, or where OCCLAB_CACHE
@@ -71,7 +71,7 @@ enum Command {
 
 /// Options of commands that render.
 #[derive(clap::Args)]
-struct Device {
+struct DeviceArgs {
     /// Part of the adapter's name; default: the fastest kind. `occlab adapters` lists them.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -92,7 +92,7 @@ enum BackendName {
     Cpu,
 }
 
-impl Device {
+impl DeviceArgs {
     /// Opens what the options ask for. One line on stderr says what renders; that it is not a device is said even when
     /// quiet and not asked for.
     fn open(&self) -> occlab::Result<Backend> {
@@ -146,7 +146,7 @@ pub fn run(cli: Cli) -> ExitCode {
 /// The window; the help in a build without one.
 #[cfg(feature = "ui")]
 fn without_command() -> anyhow::Result<ExitCode> {
-    view::View::default().run()
+    view::ViewArgs::default().run()
 }
 
 #[cfg(not(feature = "ui"))]

@@ -14,7 +14,7 @@ const RESOLUTION: u32 = 512;
 
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("where").required(true))]
-pub struct Probe {
+pub struct ProbeArgs {
     #[command(flatten)]
     scene: SceneOptions,
     /// Column and row of a pixel, from 0 at the top left: its light column passes where half of the ray's light is
@@ -40,7 +40,7 @@ fn pair<T: FromStr>(text: &str) -> Result<[T; 2], String> {
     }
 }
 
-impl Probe {
+impl ProbeArgs {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let extension = self.out.extension().and_then(|e| e.to_str());
         if extension != Some("svg") {

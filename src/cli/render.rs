@@ -2,7 +2,7 @@
 
 use super::progress::bar;
 use super::scene::SceneOptions;
-use super::{Device, print_path};
+use super::{DeviceArgs, print_path};
 use occlab::Error;
 use occlab::frame::{Exposure, tone_map, write_frame, write_png};
 use occlab::occlusion::{MethodSetup, is_truth};
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
-pub struct Render {
+pub struct RenderArgs {
     #[command(flatten)]
     scene: SceneOptions,
     /// Method id; `occlab methods` lists them.
@@ -25,10 +25,10 @@ pub struct Render {
     #[arg(long, short)]
     out: PathBuf,
     #[command(flatten)]
-    device: Device,
+    device: DeviceArgs,
 }
 
-impl Render {
+impl RenderArgs {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let scene = self.scene.load()?;
         let setup = self.setup(&scene)?;

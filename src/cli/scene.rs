@@ -2,7 +2,7 @@
 
 use occlab::Error;
 use occlab::config::load_scene;
-use occlab::config::shipped::{Kind, find};
+use occlab::config::shipped::{FileKind, find};
 use occlab::scene::{ImageSize, Problem, Scene};
 use std::path::{Path, PathBuf};
 
@@ -46,7 +46,7 @@ impl SceneOptions {
 
     /// The scene, changed and valid.
     pub fn load(&self) -> occlab::Result<Scene> {
-        let path = &find(Kind::Scene, &self.scene)?;
+        let path = &find(FileKind::Scene, &self.scene)?;
         let mut scene = load_scene(path)?;
         if let Some(elevation_deg) = self.sun_elevation {
             scene.sun.elevation_deg = elevation_deg;

@@ -1,19 +1,19 @@
 //! `occlab stability`.
 
 use super::progress::bar;
-use super::{Device, print_path};
+use super::{DeviceArgs, print_path};
 use occlab::config::load_stability;
-use occlab::config::shipped::{Kind, find};
+use occlab::config::shipped::{FileKind, find};
 use occlab::gpu::Gpu;
 use occlab::occlusion::Registry;
 use occlab::raymarch::Renderer;
-use occlab::stability::{Event, Found, Profile, Sweep, Verdict, run};
+use occlab::stability::{FormVerdict, Profile, SearchResult, Sweep, SweepEvent, run};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(clap::Args)]
-pub struct Stability {
+pub struct StabilityArgs {
     /// Stability file: small scenes and the extremes they are pushed to.
     #[arg(default_value = "configs/stability.json")]
     config: PathBuf,
@@ -24,7 +24,7 @@ pub struct Stability {
     #[arg(long, value_enum, default_value = "quick")]
     profile: ProfileName,
     #[command(flatten)]
-    device: Device,
+    device: DeviceArgs,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -33,10 +33,13 @@ enum ProfileName {
     Full,
 }
 
-impl Stability {
+impl StabilityArgs {
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        let stability =
-            load_stability(&find(Kind::Stability, &self.config)?, &self.out, &Registry)?;
+        let stability = load_stability(
+            &find(FileKind::Stability, &self.config)?,
+            &self.out,
+            &Registry,
+        )?;
         let quiet = self.device.quiet;
         let wanted = self.device.adapter.as_deref();
         let renderer = match Gpu::new(wanted) {
@@ -61,12 +64,12 @@ impl Stability {
             &self.out,
             &mut |event| {
                 match event {
-                    Event::Planned { cases, done } => {
+                    SweepEvent::Planned { cases, done } => {
                         progress.set_length(cases as u64);
                         progress.set_position(done as u64);
                     }
-                    Event::Begins(what) => progress.set_message(what),
-                    Event::Case(_) => progress.inc(1),
+                    SweepEvent::Begins(what) => progress.set_message(what),
+                    SweepEvent::Case(_) => progress.inc(1),
                 }
                 ControlFlow::Continue(())
             },
@@ -94,9 +97,9 @@ fn summarise(sweep: &Sweep) {
     );
     for t in &sweep.thresholds {
         let device = match &t.device {
-            Some(Found::At(value)) => format!("{value:.3}"),
-            Some(Found::NotUpTo(limit)) => format!("> {limit}"),
-            Some(Found::Failed(_)) => "failed".to_owned(),
+            Some(SearchResult::At(value)) => format!("{value:.3}"),
+            Some(SearchResult::NotUpTo(limit)) => format!("> {limit}"),
+            Some(SearchResult::Failed(_)) => "failed".to_owned(),
             None => "-".to_owned(),
         };
         let flush = t
@@ -116,10 +119,10 @@ fn summarise(sweep: &Sweep) {
         let count = |verdict| sweep.count(form, verdict);
         eprintln!(
             "oracle, form {form}: {} ok, {} ring, {} break, {} refused",
-            count(Verdict::Ok),
-            count(Verdict::Rings),
-            count(Verdict::Breaks),
-            count(Verdict::Refused)
+            count(FormVerdict::Ok),
+            count(FormVerdict::Rings),
+            count(FormVerdict::Breaks),
+            count(FormVerdict::Refused)
         );
     }
     for (case, row) in sweep.defects() {

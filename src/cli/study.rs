@@ -1,12 +1,12 @@
 //! `occlab study`.
 
 use super::progress::bar;
-use super::{Device, print_path, say};
+use super::{DeviceArgs, print_path, say};
 use indicatif::ProgressBar;
 use occlab::batch::{self, report_folder};
-use occlab::config::shipped::{self, Kind, find};
+use occlab::config::shipped::{self, FileKind, find};
 use occlab::config::{load_study, study_profiles};
-use occlab::study::{Event, Outcome, Progress, run};
+use occlab::study::{Outcome, StudyEvent, StudyProgress, run};
 use occlab::truth::TruthCache;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use std::process::ExitCode;
 const STEPS: f64 = 1000.0;
 
 #[derive(clap::Args)]
-pub struct Study {
+pub struct StudyArgs {
     /// Name of a study, or the path of a study file; without it the studies are listed.
     name: Option<PathBuf>,
     /// Profile of the study: its sizes and counts. `quick` takes minutes, `full` may take hours.
@@ -29,15 +29,15 @@ pub struct Study {
     #[arg(long)]
     no_cache: bool,
     #[command(flatten)]
-    device: Device,
+    device: DeviceArgs,
 }
 
-impl Study {
+impl StudyArgs {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let Some(name) = &self.name else {
             return list();
         };
-        let study = load_study(&find(Kind::Study, name)?, &self.profile)?;
+        let study = load_study(&find(FileKind::Study, name)?, &self.profile)?;
         let named = format!("study-{}-{}", study.name, study.profile);
         let folder = self
             .out
@@ -69,7 +69,7 @@ impl Study {
 
 /// Names, profiles and titles of the studies in `configs/studies` and of the built-in ones.
 fn list() -> anyhow::Result<ExitCode> {
-    for path in shipped::list(Kind::Study) {
+    for path in shipped::list(FileKind::Study) {
         let name = path
             .file_stem()
             .unwrap_or_default()
@@ -85,27 +85,27 @@ fn list() -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn show(bar: &ProgressBar, quiet: bool, resumed: &mut bool, event: Event<'_>) {
+fn show(bar: &ProgressBar, quiet: bool, resumed: &mut bool, event: StudyEvent<'_>) {
     // A bar prints nothing where stderr is no terminal, but a log should have these lines too.
     let line = |text: String| {
         if !quiet {
             bar.suspend(|| eprintln!("{text}"));
         }
     };
-    let place = |progress: Progress| bar.set_position((progress.share * STEPS) as u64);
+    let place = |progress: StudyProgress| bar.set_position((progress.share * STEPS) as u64);
     match event {
-        Event::Begins {
+        StudyEvent::Begins {
             index,
             count,
             title,
         } => {
             line(format!("experiment {}/{count}: {title}", index + 1));
         }
-        Event::Done(id, progress) => {
+        StudyEvent::Done(id, progress) => {
             place(progress);
             line(format!("  `{id}` done, {}", far(progress)));
         }
-        Event::Batch(event, progress) => {
+        StudyEvent::Batch(event, progress) => {
             place(progress);
             match event {
                 batch::Event::Planned { cells, done } => {
@@ -135,7 +135,7 @@ fn show(bar: &ProgressBar, quiet: bool, resumed: &mut bool, event: Event<'_>) {
 }
 
 /// Share and time to go.
-fn far(progress: Progress) -> String {
+fn far(progress: StudyProgress) -> String {
     let share = format!("{:.0} % of the study", progress.share * 100.0);
     match progress.eta_s {
         Some(s) if s >= 5400.0 => format!("{share}, about {:.1} h to go", s / 3600.0),

@@ -1,16 +1,16 @@
 //! `occlab view`.
 
 use occlab::Error;
-use occlab::config::shipped::{Kind, find};
+use occlab::config::shipped::{FileKind, find};
 use occlab::gpu::Gpu;
 use occlab::live::State;
-use occlab::ui::{Options, WITHOUT_A_WINDOW, open};
+use occlab::ui::{WITHOUT_A_WINDOW, WindowOptions, open};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
 #[derive(clap::Args, Default)]
-pub struct View {
+pub struct ViewArgs {
     /// Scene or experiment file, or the name of a scene; default: where the last window was left (a file in the user's
     /// data folder, or OCCLAB_STATE).
     scene: Option<PathBuf>,
@@ -23,17 +23,17 @@ pub struct View {
     shaders: Option<PathBuf>,
 }
 
-impl View {
+impl ViewArgs {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
         check_display()?;
         let state = match &self.scene {
-            Some(scene) => Some(State::load(&find(Kind::Scene, scene)?)?),
+            Some(scene) => Some(State::load(&find(FileKind::Scene, scene)?)?),
             None => None,
         };
         let watched = cfg!(debug_assertions)
             .then(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders")));
-        let options = Options {
+        let options = WindowOptions {
             state,
             shaders: self.shaders.or(watched),
             start,

@@ -1,6 +1,6 @@
 //! A JSON file in memory: its text for places, its value for meaning.
 
-use super::locate::{self, LineCol, Part};
+use super::locate::{self, LineCol, MemberPart};
 use super::{shipped, wanted};
 use crate::error::{Error, Result};
 use crate::scene::Problem;
@@ -39,7 +39,7 @@ pub(super) struct Fault {
     /// JSON pointer.
     pub pointer: String,
     /// Whether the key or the value is at fault.
-    pub part: Part,
+    pub part: MemberPart,
     /// What is wrong, without a full stop.
     pub problem: String,
     /// What to do, a full sentence.
@@ -50,7 +50,7 @@ pub(super) struct Fault {
 
 impl Fault {
     pub fn new(
-        part: Part,
+        part: MemberPart,
         pointer: impl Into<String>,
         problem: impl Into<String>,
         remedy: impl Into<String>,
@@ -68,7 +68,7 @@ impl Fault {
 impl From<Problem> for Fault {
     fn from(problem: Problem) -> Self {
         let remedy = format!("Correct the value; {SCHEMA_HINT}");
-        Self::new(Part::Value, problem.pointer, problem.message, remedy)
+        Self::new(MemberPart::Value, problem.pointer, problem.message, remedy)
     }
 }
 
@@ -219,7 +219,7 @@ impl Document {
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Error {
-        self.fault(Fault::new(Part::Value, pointer, problem, remedy))
+        self.fault(Fault::new(MemberPart::Value, pointer, problem, remedy))
     }
 
     /// An error about the key that `pointer` ends with.
@@ -229,7 +229,7 @@ impl Document {
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Error {
-        self.fault(Fault::new(Part::Key, pointer, problem, remedy))
+        self.fault(Fault::new(MemberPart::Key, pointer, problem, remedy))
     }
 
     pub(super) fn fault(&self, fault: Fault) -> Error {

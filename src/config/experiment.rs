@@ -27,7 +27,7 @@
 use super::document::Document;
 use super::locate;
 use super::matrix::MAX_CELLS;
-use super::scenes::{Axis, SceneEntry, scenes};
+use super::scenes::{SceneAxis, SceneEntry, scenes};
 use crate::error::Result;
 use crate::scene::{CameraTrack, ImageSize, Track, check_name};
 use schemars::JsonSchema;
@@ -89,7 +89,7 @@ pub struct MethodEntry {
 /// The members and which of them must be there; what varies is checked when the lists are taken apart.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct ExperimentFile {
     name: String,
     #[serde(rename = "image")]
     _image: Value,
@@ -149,7 +149,7 @@ impl Experiment {
 }
 
 pub(super) fn from_document(document: Document) -> Result<Experiment> {
-    let file: File = document.get("")?;
+    let file: ExperimentFile = document.get("")?;
     check_name(&file.name)
         .map_err(|problem| document.error("/name", problem, "Give the experiment a short name."))?;
     let enough = "5 timed runs after 1 discarded are enough for a median.";
@@ -245,7 +245,7 @@ fn distinct<T: DeserializeOwned + JsonSchema + PartialEq>(
     Ok(words)
 }
 
-fn shorthands(document: &Document, file: &File) -> Result<Vec<Axis>> {
+fn shorthands(document: &Document, file: &ExperimentFile) -> Result<Vec<SceneAxis>> {
     let given = [
         ("/sun_elevation_deg", SUN_POINTER, &file.sun_elevation_deg),
         ("/view_steps", STEPS_POINTER, &file.view_steps),
@@ -254,7 +254,7 @@ fn shorthands(document: &Document, file: &File) -> Result<Vec<Axis>> {
         .into_iter()
         .filter(|(_, _, value)| value.is_some())
         .map(|(place, target, _)| {
-            Ok(Axis {
+            Ok(SceneAxis {
                 target: target.to_owned(),
                 place: place.to_owned(),
                 values: document.one_or_many(place)?,

@@ -11,7 +11,7 @@ pub(super) type LineCol = (usize, usize);
 
 /// Which half of `"key": value` an error concerns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum MemberPart {
     /// The name: unknown, misspelt, forbidden.
     Key,
     /// The value.
@@ -47,7 +47,7 @@ pub(super) fn check(text: &str) -> Result<(), (LineCol, String)> {
 }
 
 /// The place of `pointer`, or of the deepest ancestor that exists.
-pub(super) fn position(text: &str, pointer: &str, part: Part) -> LineCol {
+pub(super) fn position(text: &str, pointer: &str, part: MemberPart) -> LineCol {
     let ast = parse_to_ast(text, &CollectOptions::default(), &STRICT)
         .ok()
         .and_then(|parsed| parsed.value);
@@ -79,14 +79,14 @@ pub(super) fn step(name: &str) -> String {
     format!("/{}", name.replace('~', "~0").replace('/', "~1"))
 }
 
-fn offset_of(root: &Value<'_>, pointer: &str, part: Part) -> usize {
+fn offset_of(root: &Value<'_>, pointer: &str, part: MemberPart) -> usize {
     let (mut node, mut offset) = (root, root.start());
     for name in steps(pointer) {
         let next = match node {
             Value::Object(object) => object.get(&name).map(|p| {
                 (
                     &p.value,
-                    if part == Part::Key {
+                    if part == MemberPart::Key {
                         p.range.start
                     } else {
                         p.value.start()
@@ -150,17 +150,17 @@ mod tests {
 
     #[test]
     fn pointers_lead_to_line_and_column() {
-        assert_eq!(position(TEXT, "", Part::Value), (1, 1));
-        assert_eq!(position(TEXT, "/é/a~1b/1", Part::Value), (2, 20));
-        assert_eq!(position(TEXT, "/é/a~1b/2/~0", Part::Value), (2, 30));
-        assert_eq!(position(TEXT, "/é/a~1b", Part::Key), (2, 9));
-        assert_eq!(position(TEXT, "/z", Part::Value), (3, 8));
+        assert_eq!(position(TEXT, "", MemberPart::Value), (1, 1));
+        assert_eq!(position(TEXT, "/é/a~1b/1", MemberPart::Value), (2, 20));
+        assert_eq!(position(TEXT, "/é/a~1b/2/~0", MemberPart::Value), (2, 30));
+        assert_eq!(position(TEXT, "/é/a~1b", MemberPart::Key), (2, 9));
+        assert_eq!(position(TEXT, "/z", MemberPart::Value), (3, 8));
     }
 
     #[test]
     fn a_missing_member_is_placed_at_its_deepest_ancestor() {
-        assert_eq!(position(TEXT, "/é/missing/x", Part::Value), (2, 8));
-        assert_eq!(position(TEXT, "/é/a~1b/9", Part::Value), (2, 16));
+        assert_eq!(position(TEXT, "/é/missing/x", MemberPart::Value), (2, 8));
+        assert_eq!(position(TEXT, "/é/a~1b/9", MemberPart::Value), (2, 16));
     }
 
     #[test]

@@ -5,11 +5,11 @@
 
 use super::document::Fault;
 use super::experiment::{Experiment, STEPS_POINTER};
-use super::locate::{self, Part};
+use super::locate::{self, MemberPart};
 use super::methods::{self, MethodAxes};
 use super::reconstructions::{self, Catalogue};
 use super::scene_of;
-use super::scenes::{Axis, SceneEntry};
+use super::scenes::{SceneAxis, SceneEntry};
 use crate::error::{Error, Result};
 use crate::param::Params;
 use crate::scene::{ImageSize, ReconstructionInfo, Scene};
@@ -23,14 +23,14 @@ pub const MAX_CELLS: usize = 100_000;
 #[derive(Clone, Debug)]
 pub struct Matrix {
     /// Views in matrix order, no two alike.
-    pub views: Vec<View>,
+    pub views: Vec<MatrixView>,
     /// Remarks for the person who wrote the file: duplicates that were dropped, parameters without effect.
     pub notes: Vec<String>,
 }
 
 /// One scene under one sun at one image size: all its cells share a truth.
 #[derive(Clone, Debug)]
-pub struct View {
+pub struct MatrixView {
     /// The scene, fully resolved.
     pub scene: Scene,
     /// Values that the experiment sets in the scene file (sun and view steps included), by JSON pointer.
@@ -99,7 +99,7 @@ pub fn expand(experiment: &Experiment, catalogue: &dyn Catalogue) -> Result<Matr
                         }
                     })
                     .collect();
-                matrix.views.push(View {
+                matrix.views.push(MatrixView {
                     scene: scene.clone(),
                     scene_set: scene_set.clone(),
                     image: *image,
@@ -111,7 +111,7 @@ pub fn expand(experiment: &Experiment, catalogue: &dyn Catalogue) -> Result<Matr
     Ok(matrix)
 }
 
-fn count(axes: &[Axis]) -> usize {
+fn count(axes: &[SceneAxis]) -> usize {
     axes.iter()
         .fold(1, |n, axis| n.saturating_mul(axis.values.len()))
 }
@@ -169,7 +169,7 @@ fn key(value: &impl serde::Serialize) -> Result<String> {
 }
 
 /// An axis and the value picked from it, with that value's place.
-type Chosen<'a> = (&'a Axis, &'a (String, Value));
+type Chosen<'a> = (&'a SceneAxis, &'a (String, Value));
 
 /// Combination `n` of a scene's axes, deserialised and validated.
 fn scene_at(
@@ -278,7 +278,7 @@ fn blame(
     );
     match guilty {
         None => document.error(&entry.place, problem, fault.remedy),
-        Some((axis, _)) if fault.part == Part::Key && axis.target == fault.pointer => {
+        Some((axis, _)) if fault.part == MemberPart::Key && axis.target == fault.pointer => {
             document.error_at_key(&axis.place, problem, fault.remedy)
         }
         Some((_, (place, _))) if fault.wants_list => document.error(

@@ -26,10 +26,10 @@ mod wanted;
 
 pub use document::{Document, MAX_FILE_BYTES};
 pub use experiment::{Experiment, MethodEntry, load_experiment, parse_experiment};
-pub use matrix::{CellSpec, MAX_CELLS, Matrix, View, describe, expand};
+pub use matrix::{CellSpec, MAX_CELLS, Matrix, MatrixView, describe, expand};
 pub use methods::MethodCatalogue;
 pub use reconstructions::Catalogue;
-pub use scenes::{Axis, SceneEntry};
+pub use scenes::{SceneAxis, SceneEntry};
 pub use schema::schema;
 pub use stability::{Extreme, Fill, Stability, VolumeFile, load_stability, parse_stability};
 pub use study::{

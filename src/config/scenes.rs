@@ -17,12 +17,12 @@ pub struct SceneEntry {
     /// The scene: a file, or a part of the experiment's.
     pub document: Document,
     /// `set`, then `sun_elevation_deg`, then `view_steps`; the first is the slowest in the matrix.
-    pub axes: Vec<Axis>,
+    pub axes: Vec<SceneAxis>,
 }
 
 /// A scene member and the values it takes.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub struct SceneAxis {
     /// JSON pointer into the scene.
     pub target: String,
     /// JSON pointer of the axis in the experiment.
@@ -43,7 +43,7 @@ struct FileScene {
 pub(super) fn scenes(
     document: &Document,
     entries: &[(String, Value)],
-    shorthands: &[Axis],
+    shorthands: &[SceneAxis],
 ) -> Result<Vec<SceneEntry>> {
     let mut bytes = 0;
     let mut scenes = Vec::with_capacity(entries.len());
@@ -68,7 +68,7 @@ fn scene(
     document: &Document,
     place: &str,
     value: &Value,
-    shorthands: &[Axis],
+    shorthands: &[SceneAxis],
 ) -> Result<SceneEntry> {
     let (scene_place, entry) = match value {
         Value::String(_) => (
@@ -118,7 +118,12 @@ fn scene_file(document: &Document, place: &str, path: &str) -> Result<Document> 
     Document::read(&found)
 }
 
-fn set_axis(document: &Document, place: &str, target: &str, shorthands: &[Axis]) -> Result<Axis> {
+fn set_axis(
+    document: &Document,
+    place: &str,
+    target: &str,
+    shorthands: &[SceneAxis],
+) -> Result<SceneAxis> {
     let place = format!("{place}/set{}", locate::step(target));
     if !target.starts_with('/') {
         let remedy = "Write the path of the scene member from the top, e.g. \"/sun/azimuth_deg\".";
@@ -135,7 +140,7 @@ fn set_axis(document: &Document, place: &str, target: &str, shorthands: &[Axis])
         );
         return Err(document.error_at_key(&place, problem, "Keep one of the two."));
     }
-    Ok(Axis {
+    Ok(SceneAxis {
         target: target.to_owned(),
         values: document.one_or_many(&place)?,
         place,

@@ -20,7 +20,7 @@ const SWEEP: &str = "configs/stability.json";
 
 /// What a name on the command line is the name of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FileKind {
     /// A scene of `configs/scenes`.
     Scene,
     /// An experiment of `configs`.
@@ -31,7 +31,7 @@ pub enum Kind {
     Stability,
 }
 
-impl Kind {
+impl FileKind {
     fn folder(self) -> &'static str {
         match self {
             Self::Scene => "configs/scenes",
@@ -49,7 +49,7 @@ impl Kind {
         }
     }
 
-    /// Is a file of [`Kind::folder`] of this kind?
+    /// Is a file of [`FileKind::folder`] of this kind?
     fn holds(self, path: &Path) -> bool {
         let is_sweep = path == Path::new(SWEEP);
         match self {
@@ -62,7 +62,7 @@ impl Kind {
 
 /// The file that `name` stands for, the first there is of: the file `NAME`, `NAME.json`, `NAME.json` in the folder of its
 /// kind beside the user, and the built-in file of that name.
-pub fn find(kind: Kind, name: &Path) -> Result<PathBuf> {
+pub fn find(kind: FileKind, name: &Path) -> Result<PathBuf> {
     let mut with_ending = name.as_os_str().to_owned();
     if !is_json(name) {
         with_ending.push(".json");
@@ -76,7 +76,7 @@ pub fn find(kind: Kind, name: &Path) -> Result<PathBuf> {
     found.cloned().ok_or_else(|| unknown(kind, name))
 }
 
-fn unknown(kind: Kind, name: &Path) -> Error {
+fn unknown(kind: FileKind, name: &Path) -> Error {
     let names: Vec<String> = built_in(kind).iter().map(|path| stem(path)).collect();
     let hint = suggest::sentence(&stem(name), names.iter().map(String::as_str));
     let (word, folder) = (kind.word(), kind.folder());
@@ -102,7 +102,7 @@ fn stem(path: &Path) -> String {
 
 /// Every file of a kind by its path: those of the folder beside the user, and the built-in ones that none of them
 /// replaces. Sorted.
-pub fn list(kind: Kind) -> Vec<PathBuf> {
+pub fn list(kind: FileKind) -> Vec<PathBuf> {
     let beside = std::fs::read_dir(kind.folder()).into_iter().flatten();
     let mut paths: Vec<PathBuf> = beside
         .flatten()
@@ -115,7 +115,7 @@ pub fn list(kind: Kind) -> Vec<PathBuf> {
     paths
 }
 
-fn built_in(kind: Kind) -> Vec<PathBuf> {
+fn built_in(kind: FileKind) -> Vec<PathBuf> {
     let inside = |path: &Path| path.parent() == Some(Path::new(kind.folder())) && kind.holds(path);
     let mut paths: Vec<PathBuf> = all().into_iter().map(|(path, _)| path).collect();
     paths.retain(|path| inside(path));
@@ -159,7 +159,7 @@ pub(super) fn scene_of_experiment(folder: &Path, path: &str) -> Option<PathBuf> 
 
 /// The names of the built-in scenes as an experiment writes them.
 pub(super) fn scene_paths() -> String {
-    let paths = built_in(Kind::Scene);
+    let paths = built_in(FileKind::Scene);
     let names = paths.iter().filter_map(|path| path.strip_prefix(ROOT).ok());
     let names: Vec<String> = names.map(|path| path.display().to_string()).collect();
     names.join(", ")
@@ -167,7 +167,7 @@ pub(super) fn scene_paths() -> String {
 
 /// What became of a built-in file that was to be written out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum Copied {
     /// The file is new.
     Written,
     /// There was one of the same content.
@@ -177,7 +177,7 @@ pub enum Outcome {
 }
 
 /// Writes every built-in file below `folder` where there is none; nothing that exists is touched.
-pub fn write_out(folder: &Path) -> Result<Vec<(PathBuf, Outcome)>> {
+pub fn write_out(folder: &Path) -> Result<Vec<(PathBuf, Copied)>> {
     let write = |(path, text): (PathBuf, &str)| {
         let path = folder.join(path);
         let outcome = write_new(&path, text)?;
@@ -186,7 +186,7 @@ pub fn write_out(folder: &Path) -> Result<Vec<(PathBuf, Outcome)>> {
     all().into_iter().map(write).collect()
 }
 
-fn write_new(path: &Path, text: &str) -> Result<Outcome> {
+fn write_new(path: &Path, text: &str) -> Result<Copied> {
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent).map_err(Error::writing(parent))?;
     }
@@ -196,9 +196,9 @@ fn write_new(path: &Path, text: &str) -> Result<Outcome> {
     })?;
     let same = || std::fs::read(path).is_ok_and(|found| found == text.as_bytes());
     Ok(match written {
-        true => Outcome::Written,
-        false if same() => Outcome::Same,
-        false => Outcome::Kept,
+        true => Copied::Written,
+        false if same() => Copied::Same,
+        false => Copied::Kept,
     })
 }
 
@@ -260,7 +260,7 @@ mod tests {
 
     #[test]
     fn a_name_found_nowhere_lists_what_is_built_in() {
-        let message = find(Kind::Experiment, Path::new("quik"))
+        let message = find(FileKind::Experiment, Path::new("quik"))
             .unwrap_err()
             .to_string();
         for words in [
@@ -274,6 +274,10 @@ mod tests {
             !message.contains("stability"),
             "a sweep is no experiment: {message}"
         );
-        assert_eq!(list(Kind::Stability), [Path::new(SWEEP)], "the only sweep");
+        assert_eq!(
+            list(FileKind::Stability),
+            [Path::new(SWEEP)],
+            "the only sweep"
+        );
     }
 }

@@ -85,7 +85,7 @@ pub struct Fill {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Stability")]
-pub(super) struct File {
+pub(super) struct StabilityFile {
     /// Shown on the page, 1 to 200 characters.
     name: String,
     /// Picture size of cases that give none.
@@ -154,7 +154,7 @@ fn from_document(
     folder: &Path,
     catalogue: &dyn MethodCatalogue,
 ) -> Result<Stability> {
-    let file: File = document.get("")?;
+    let file: StabilityFile = document.get("")?;
     if file.name.is_empty() || file.name.chars().count() > 200 {
         let remedy = "Give the sweep a short name.";
         return Err(document.error("/name", "the name must have 1 to 200 characters", remedy));
@@ -267,7 +267,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn extreme(&self, file: &File, index: usize, common: &Settings) -> Result<Extreme> {
+    fn extreme(&self, file: &StabilityFile, index: usize, common: &Settings) -> Result<Extreme> {
         let Self {
             document,
             specs,

@@ -4,7 +4,7 @@
 //! place and the kind of its message are used.
 
 use super::document::Fault;
-use super::locate::{self, Part};
+use super::locate::{self, MemberPart};
 use super::suggest;
 use serde_json::{Map, Value};
 
@@ -52,7 +52,7 @@ fn missing(pointer: &str, name: &str, wanted: Option<Wanted<'_>>) -> Fault {
         Some(words) => format!("missing field `{name}`: {words}"),
         None => format!("missing field `{name}`"),
     };
-    Fault::new(Part::Value, pointer, problem, "Add it; ")
+    Fault::new(MemberPart::Value, pointer, problem, "Add it; ")
 }
 
 fn unknown(pointer: &str, name: &str, object: Option<Wanted<'_>>) -> Fault {
@@ -63,7 +63,7 @@ fn unknown(pointer: &str, name: &str, object: Option<Wanted<'_>>) -> Fault {
         _ => format!("{hint}Allowed are {}; ", list(&known)),
     };
     Fault::new(
-        Part::Key,
+        MemberPart::Key,
         pointer,
         format!("unknown field `{name}`"),
         remedy,
@@ -74,7 +74,7 @@ fn misfit(pointer: &str, value: &Value, wanted: Option<Wanted<'_>>) -> Fault {
     let found = shown(value);
     let Some((wanted, words)) = wanted.and_then(|w| Some((w, w.words()?))) else {
         let problem = format!("the value is {found}, which does not belong here");
-        return Fault::new(Part::Value, pointer, problem, "");
+        return Fault::new(MemberPart::Value, pointer, problem, "");
     };
     let problem = format!("the value is {found}, allowed is {words}");
     let names = wanted.names();
@@ -90,7 +90,7 @@ fn misfit(pointer: &str, value: &Value, wanted: Option<Wanted<'_>>) -> Fault {
     };
     Fault {
         wants_list: wanted.is_list(),
-        ..Fault::new(Part::Value, pointer, problem, remedy)
+        ..Fault::new(MemberPart::Value, pointer, problem, remedy)
     }
 }
 

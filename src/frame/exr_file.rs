@@ -11,7 +11,7 @@ use exr::prelude::{
 use std::path::Path;
 
 /// One pixel of our files: R, G, B, A, sun.R, sun.G, sun.B, sun.V.
-type Pixel = (f32, f32, f32, f32, f32, f32, f32, f32);
+type ExrPixel = (f32, f32, f32, f32, f32, f32, f32, f32);
 
 /// Writes a frame as a scan-line OpenEXR file of 32-bit floats, ZIP-compressed: every bit comes back.
 ///
@@ -30,7 +30,7 @@ pub fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
         .with_channel("sun.G")
         .with_channel("sun.B")
         .with_channel("sun.V")
-        .with_pixel_fn(|at: Vec2<usize>| -> Pixel {
+        .with_pixel_fn(|at: Vec2<usize>| -> ExrPixel {
             let index = at.y() * width + at.x();
             let ([r, g, b, a], [sr, sg, sb, v]) = (frame.radiance[index], frame.sun[index]);
             (r, g, b, a, sr, sg, sb, v)

@@ -1,6 +1,6 @@
 //! T along light columns on the oracle, its number formats emulated, against the f64 truth.
 
-use super::record::{Columns, Verdict};
+use super::record::{Columns, FormVerdict};
 use crate::error::Result;
 use crate::occlusion::MethodSetup;
 use crate::occlusion::rounding::Rounding;
@@ -28,7 +28,7 @@ const DIRECTIONS: [[f64; 2]; 5] = [
 const SHARES: [f64; 3] = [0.472, 0.231, 0.794];
 
 /// A light column and its truth.
-pub(super) struct Probe {
+pub(super) struct ColumnProbe {
     column: LightColumn,
     /// Metres inside the layer.
     pub depths_m: Vec<f64>,
@@ -39,7 +39,7 @@ pub(super) struct Probe {
 }
 
 /// Columns through what a picture of `scene` sees; none where it sees nothing of the layer.
-pub(super) fn probes(oracle: &Oracle, scene: &Scene, aspect: f64) -> Vec<Probe> {
+pub(super) fn probes(oracle: &Oracle, scene: &Scene, aspect: f64) -> Vec<ColumnProbe> {
     let position = DVec3::from(scene.camera.position_m);
     let (right, up, forward) = scene.camera.basis();
     // A very wide picture would have all of its columns far apart, a very narrow one in a plane.
@@ -61,7 +61,7 @@ pub(super) fn probes(oracle: &Oracle, scene: &Scene, aspect: f64) -> Vec<Probe> 
 }
 
 /// The truth by the midpoint rule: once along the column, in f64.
-fn probe(oracle: &Oracle, p: DVec3) -> Option<Probe> {
+fn probe(oracle: &Oracle, p: DVec3) -> Option<ColumnProbe> {
     let column = oracle.column_through(p);
     let length_m = column.length_m();
     if length_m <= 0.0 {
@@ -70,7 +70,7 @@ fn probe(oracle: &Oracle, p: DVec3) -> Option<Probe> {
     let last = f64::from(DEPTHS - 1);
     let step_m = length_m / last / f64::from(TRUTH_SUBSTEPS);
     let (mut tau, mut k) = (0.0, 0u32);
-    let mut probe = Probe {
+    let mut probe = ColumnProbe {
         column,
         depths_m: Vec::new(),
         truth: Vec::new(),
@@ -96,7 +96,7 @@ fn probe(oracle: &Oracle, p: DVec3) -> Option<Probe> {
 /// What a method says along the columns: its numbers, and T along the first.
 pub(super) fn measure(
     oracle: &Oracle,
-    probes: &[Probe],
+    probes: &[ColumnProbe],
     setup: &MethodSetup,
     rounding: Rounding,
 ) -> Result<(Columns, Vec<f64>)> {
@@ -126,7 +126,7 @@ pub(super) fn measure(
 /// without a map because it samples anew from every point.
 fn rises_as_documented(
     oracle: &Oracle,
-    probes: &[Probe],
+    probes: &[ColumnProbe],
     curves: &[Vec<f64>],
     setup: &MethodSetup,
 ) -> Result<bool> {
@@ -139,7 +139,7 @@ fn rises_as_documented(
     }
     // The same texels, uncompressed and exact: the column's τ as this map samples and interpolates it.
     let floor = oracle.prepare(&setup.uncompressed()?, Options::default())?;
-    let inside = |(probe, curve): (&Probe, &Vec<f64>)| {
+    let inside = |(probe, curve): (&ColumnProbe, &Vec<f64>)| {
         let least = floor.behind(&probe.column).powf(OVERSHOOT) - TOLERANCE;
         curve.iter().all(|t| *t >= least)
     };
@@ -159,7 +159,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn add(&mut self, probe: &Probe, curve: &[f64]) {
+    fn add(&mut self, probe: &ColumnProbe, curve: &[f64]) {
         let mut lowest = f64::INFINITY;
         let mut before = f64::INFINITY;
         for (i, t) in curve.iter().copied().enumerate() {
@@ -196,9 +196,9 @@ impl Numbers {
             problems.push(format!("T rises with depth, by {:.2e}", self.largest_rise));
         }
         let verdict = match (problems.is_empty(), rises) {
-            (false, _) => Verdict::Breaks,
-            (true, true) => Verdict::Rings,
-            (true, false) => Verdict::Ok,
+            (false, _) => FormVerdict::Breaks,
+            (true, true) => FormVerdict::Rings,
+            (true, false) => FormVerdict::Ok,
         };
         Columns {
             verdict,

@@ -17,8 +17,8 @@ mod sweep;
 mod thresholds;
 
 pub use cases::settings;
-pub use record::{Case, Columns, Picture, Row, SCHEMA, Setting, Sweep, Verdict};
-pub use thresholds::{Found, SEARCHED, Threshold, thresholds};
+pub use record::{Columns, FormVerdict, SCHEMA, Setting, Sweep, SweepCase, SweepPicture, SweepRow};
+pub use thresholds::{SEARCHED, SearchResult, Threshold, thresholds};
 
 use crate::config::Stability;
 use crate::environment::Environment;
@@ -49,7 +49,7 @@ impl Profile {
 
 /// What happens during a sweep.
 #[derive(Debug)]
-pub enum Event<'a> {
+pub enum SweepEvent<'a> {
     /// The cases are known; `done` of them were recorded by an earlier run and are not repeated.
     Planned {
         /// Cases of the profile.
@@ -60,11 +60,11 @@ pub enum Event<'a> {
     /// Something begins, in a few words.
     Begins(String),
     /// A case was recorded.
-    Case(&'a Case),
+    Case(&'a SweepCase),
 }
 
 /// Receives events; `Break` stops the sweep, recorded cases are kept.
-pub type Observer<'a> = &'a mut dyn FnMut(Event<'_>) -> ControlFlow<()>;
+pub type SweepObserver<'a> = &'a mut dyn FnMut(SweepEvent<'_>) -> ControlFlow<()>;
 
 /// Runs what is missing of a sweep in `folder`; without a renderer the oracle runs alone.
 pub fn run(
@@ -72,7 +72,7 @@ pub fn run(
     profile: Profile,
     renderer: Option<&Renderer>,
     folder: &Path,
-    observe: Observer,
+    observe: SweepObserver,
 ) -> Result<Sweep> {
     cases::write_volumes(folder, &stability.volumes)?;
     let records = folder.join("records");
@@ -83,19 +83,19 @@ pub fn run(
         .filter(|extreme| profile == Profile::Full || !extreme.full_only)
         .map(|extreme| (extreme, sweep::case_id(stability, extreme, renderer)))
         .collect();
-    let mut found: Vec<Option<Case>> = wanted
+    let mut found: Vec<Option<SweepCase>> = wanted
         .iter()
         .map(|(_, id)| sweep::recorded(folder, id))
         .collect();
-    let mut tell = |event: Event<'_>| match observe(event) {
+    let mut tell = |event: SweepEvent<'_>| match observe(event) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(Error::Stopped),
     };
-    tell(Event::Planned {
+    tell(SweepEvent::Planned {
         cases: wanted.len(),
         done: found.iter().flatten().count(),
     })?;
-    tell(Event::Begins("thresholds".to_owned()))?;
+    tell(SweepEvent::Begins("thresholds".to_owned()))?;
     let start = Instant::now();
     let thresholds = thresholds(renderer, folder)?;
     let mut wall_s = start.elapsed().as_secs_f64();
@@ -104,9 +104,12 @@ pub fn run(
         let case = match known.take() {
             Some(case) => case,
             None => {
-                tell(Event::Begins(format!("{} {}", extreme.group, extreme.name)))?;
+                tell(SweepEvent::Begins(format!(
+                    "{} {}",
+                    extreme.group, extreme.name
+                )))?;
                 let case = sweep::run_case(stability, extreme, renderer, folder)?;
-                tell(Event::Case(&case))?;
+                tell(SweepEvent::Case(&case))?;
                 case
             }
         };

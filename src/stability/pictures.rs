@@ -1,6 +1,6 @@
 //! Pictures on the device: what comes of an extreme there is recorded beside the oracle's verdict.
 
-use super::record::{Picture, Verdict};
+use super::record::{FormVerdict, SweepPicture};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, is_nonfinite};
 use crate::occlusion::MethodSetup;
@@ -18,7 +18,7 @@ pub(super) fn measure(
     view: &View,
     setup: &MethodSetup,
     truth: &Frame,
-) -> Result<Picture> {
+) -> Result<SweepPicture> {
     match render(renderer, view, setup) {
         Ok((frame, nonfinite_stored)) => Ok(judge(&frame, nonfinite_stored, truth)),
         Err(error) if error.concerns_one_cell() => Ok(failed(&error)),
@@ -27,9 +27,9 @@ pub(super) fn measure(
 }
 
 /// The record of a picture that was not made.
-pub(super) fn failed(error: &Error) -> Picture {
-    Picture {
-        verdict: Verdict::Failed,
+pub(super) fn failed(error: &Error) -> SweepPicture {
+    SweepPicture {
+        verdict: FormVerdict::Failed,
         reason: Some(error.to_string()),
         nonfinite: 0,
         nonfinite_stored: 0,
@@ -57,7 +57,7 @@ pub(super) fn nonfinite(frame: &Frame) -> u64 {
     channels.filter(|value| is_nonfinite(**value)).count() as u64
 }
 
-fn judge(frame: &Frame, nonfinite_stored: u64, truth: &Frame) -> Picture {
+fn judge(frame: &Frame, nonfinite_stored: u64, truth: &Frame) -> SweepPicture {
     let nonfinite = nonfinite(frame);
     let seen = |i: &usize| truth.radiance[*i][3] > LEAST_OPACITY && !is_nonfinite(frame.sun[*i][3]);
     let (mut range, mut max_error): (Option<[f64; 2]>, Option<f64>) = (None, None);
@@ -79,11 +79,11 @@ fn judge(frame: &Frame, nonfinite_stored: u64, truth: &Frame) -> Picture {
     {
         problems.push(format!("V is in {low:.3}…{high:.3}"));
     }
-    Picture {
+    SweepPicture {
         verdict: if problems.is_empty() {
-            Verdict::Ok
+            FormVerdict::Ok
         } else {
-            Verdict::Breaks
+            FormVerdict::Breaks
         },
         reason: (!problems.is_empty()).then(|| problems.join("; ")),
         nonfinite,

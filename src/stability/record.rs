@@ -1,4 +1,4 @@
-//! Records of a sweep: one [`Case`] for each extreme, one [`Sweep`] for each folder.
+//! Records of a sweep: one [`SweepCase`] for each extreme, one [`Sweep`] for each folder.
 
 use super::thresholds::Threshold;
 use crate::environment::Environment;
@@ -10,7 +10,7 @@ pub const SCHEMA: &str = "occlab-stability-1";
 /// What came of a method at an extreme; the order is by severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Verdict {
+pub enum FormVerdict {
     /// Finite, T in `[0, 1]`, T never rises with depth.
     Ok,
     /// T rises with depth, as the method documents of itself: FOM inside its overshoot, SRM's few samples.
@@ -40,14 +40,14 @@ pub struct Sweep {
     /// Where the published forms begin to fail.
     pub thresholds: Vec<Threshold>,
     /// In file order.
-    pub cases: Vec<Case>,
+    pub cases: Vec<SweepCase>,
 }
 
 impl Sweep {
     /// Forms that must hold and do not.
-    pub fn defects(&self) -> Vec<(&Case, &Row)> {
+    pub fn defects(&self) -> Vec<(&SweepCase, &SweepRow)> {
         let rows = |case| {
-            let case: &Case = case;
+            let case: &SweepCase = case;
             case.rows.iter().map(move |row| (case, row))
         };
         let all = self.cases.iter().flat_map(rows);
@@ -55,7 +55,7 @@ impl Sweep {
     }
 
     /// Rows of a form with this verdict on the oracle.
-    pub fn count(&self, form: &str, verdict: Verdict) -> usize {
+    pub fn count(&self, form: &str, verdict: FormVerdict) -> usize {
         let rows = self.cases.iter().flat_map(|case| &case.rows);
         rows.filter(|row| row.setting.form == form && row.oracle().verdict == verdict)
             .count()
@@ -65,7 +65,7 @@ impl Sweep {
 /// One extreme.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Case {
+pub struct SweepCase {
     /// Hash of everything that determines it.
     pub id: String,
     /// What is pushed, with its unit.
@@ -76,12 +76,12 @@ pub struct Case {
     pub refused: Option<String>,
     /// Seconds it took.
     pub wall_s: f64,
-    /// Depths at which [`Row::curve`] is given, as shares of the first column.
+    /// Depths at which [`SweepRow::curve`] is given, as shares of the first column.
     pub depths: Vec<f64>,
     /// T of the f64 truth there.
     pub truth: Vec<f64>,
     /// One for each method setting that takes part.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SweepRow>,
 }
 
 /// A method, its form, storage and look-up; `-` where it has no such choice.
@@ -108,7 +108,7 @@ impl Setting {
 /// A method setting at an extreme.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Row {
+pub struct SweepRow {
     /// Which.
     pub setting: Setting,
     /// Light columns on the oracle, rounding as the setting stores, denormals kept: asserted.
@@ -116,12 +116,12 @@ pub struct Row {
     /// The same with denormals flushed to zero: asserted.
     pub flushed: Columns,
     /// A picture on the device: recorded.
-    pub device: Option<Picture>,
-    /// T at [`Case::depths`] of the first column, denormals flushed; `null` where it is not finite.
+    pub device: Option<SweepPicture>,
+    /// T at [`SweepCase::depths`] of the first column, denormals flushed; `null` where it is not finite.
     pub curve: Vec<Option<f32>>,
 }
 
-impl Row {
+impl SweepRow {
     /// The worse of the oracle's two.
     pub fn oracle(&self) -> &Columns {
         if self.flushed.verdict >= self.kept.verdict {
@@ -134,7 +134,8 @@ impl Row {
     /// A form that must hold and does not, on the oracle or on the device.
     pub fn is_defect(&self) -> bool {
         let device = self.device.as_ref().map(|picture| picture.verdict);
-        let broken = self.oracle().verdict == Verdict::Breaks || device == Some(Verdict::Breaks);
+        let broken =
+            self.oracle().verdict == FormVerdict::Breaks || device == Some(FormVerdict::Breaks);
         self.setting.must_hold() && broken
     }
 }
@@ -143,8 +144,8 @@ impl Row {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Columns {
-    /// See [`Verdict`].
-    pub verdict: Verdict,
+    /// See [`FormVerdict`].
+    pub verdict: FormVerdict,
     /// What was wrong, or why it was refused.
     pub reason: Option<String>,
     /// Values of T that are NaN or infinite.
@@ -166,9 +167,9 @@ pub struct Columns {
 /// Numbers of a picture on the device.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Picture {
-    /// See [`Verdict`]; a picture knows nothing of depths, so it never rings.
-    pub verdict: Verdict,
+pub struct SweepPicture {
+    /// See [`FormVerdict`]; a picture knows nothing of depths, so it never rings.
+    pub verdict: FormVerdict,
     /// What was wrong, or the device's own words.
     pub reason: Option<String>,
     /// Channels of the picture whose exponent bits are all ones.

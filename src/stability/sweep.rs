@@ -1,9 +1,9 @@
 //! Extremes → records on disk: a killed sweep goes on where it was.
 
 use super::cases::{settings, setup};
-use super::columns::{Probe, measure as measure_columns, probes};
+use super::columns::{ColumnProbe, measure as measure_columns, probes};
 use super::pictures;
-use super::record::{Case, Columns, Picture, Row, SCHEMA, Setting, Verdict};
+use super::record::{Columns, FormVerdict, SCHEMA, Setting, SweepCase, SweepPicture, SweepRow};
 use crate::config::{Extreme, Stability};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
@@ -83,7 +83,7 @@ pub(super) fn record_path(folder: &Path, id: &str) -> PathBuf {
 }
 
 /// A record of an earlier run; one that cannot be read is made again.
-pub(super) fn recorded(folder: &Path, id: &str) -> Option<Case> {
+pub(super) fn recorded(folder: &Path, id: &str) -> Option<SweepCase> {
     let text = std::fs::read(record_path(folder, id)).ok()?;
     serde_json::from_slice(&text).ok()
 }
@@ -94,7 +94,7 @@ pub(super) fn run_case(
     extreme: &Extreme,
     renderer: Option<&Renderer>,
     folder: &Path,
-) -> Result<Case> {
+) -> Result<SweepCase> {
     let case = measure(extreme, renderer, case_id(stability, extreme, renderer))?;
     let path = record_path(folder, &case.id);
     let text = serde_json::to_vec(&case).map_err(|e| Error::writing(&path)(e.into()))?;
@@ -104,9 +104,9 @@ pub(super) fn run_case(
     Ok(case)
 }
 
-fn measure(extreme: &Extreme, renderer: Option<&Renderer>, id: String) -> Result<Case> {
+fn measure(extreme: &Extreme, renderer: Option<&Renderer>, id: String) -> Result<SweepCase> {
     let start = Instant::now();
-    let mut case = Case {
+    let mut case = SweepCase {
         id,
         group: extreme.group.clone(),
         name: extreme.name.clone(),
@@ -156,7 +156,7 @@ fn entrants(extreme: &Extreme, scene: &Scene) -> Result<Vec<Entrant>> {
 }
 
 /// The oracle's half of a row.
-fn row(oracle: &Oracle, probes: &[Probe], entrant: &Entrant) -> Result<Row> {
+fn row(oracle: &Oracle, probes: &[ColumnProbe], entrant: &Entrant) -> Result<SweepRow> {
     let with = |flush| {
         let mut rounding = Rounding::device(&entrant.setting.storage, flush);
         if let Some(format) = entrant.setup.stored_format()? {
@@ -170,7 +170,7 @@ fn row(oracle: &Oracle, probes: &[Probe], entrant: &Entrant) -> Result<Row> {
     let (kept, _) = with(false)?;
     let (flushed, curve) = with(true)?;
     let finite = |t: f64| t.is_finite().then_some(t as f32);
-    Ok(Row {
+    Ok(SweepRow {
         setting: entrant.setting.clone(),
         kept,
         flushed,
@@ -181,7 +181,7 @@ fn row(oracle: &Oracle, probes: &[Probe], entrant: &Entrant) -> Result<Row> {
 
 fn refused(error: &Error) -> Columns {
     Columns {
-        verdict: Verdict::Refused,
+        verdict: FormVerdict::Refused,
         reason: Some(error.to_string()),
         nonfinite: 0,
         nonfinite_stored: 0,
@@ -199,7 +199,7 @@ fn device_pictures(
     scene: &Scene,
     oracle: &Oracle,
     entrants: &[Entrant],
-) -> Result<Vec<Picture>> {
+) -> Result<Vec<SweepPicture>> {
     let view = match renderer.view(scene, extreme.image) {
         Ok(view) => view,
         Err(error) if error.concerns_one_cell() => {

@@ -7,7 +7,7 @@ use crate::occlusion::rounding::Rounding;
 use crate::occlusion::twin::{Column, Encoding, LightRay, LookUp, Twin};
 use crate::occlusion::{MethodSetup, thickness_of_opacity};
 use crate::raymarch::Renderer;
-use device::Device;
+use device::DeviceSearch;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{E, LN_2};
 use std::path::Path;
@@ -33,13 +33,13 @@ pub struct Threshold {
     /// Measured on the oracle; `None` = not up to [`SEARCHED`].
     pub measured: Option<f64>,
     /// Found on the device, the same search over pictures and stored bits; `None` = not searched there.
-    pub device: Option<Found>,
+    pub device: Option<SearchResult>,
 }
 
 /// What a search on the device came to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Found {
+pub enum SearchResult {
     /// The failure begins at this value.
     At(f64),
     /// No failure up to this value.
@@ -129,7 +129,7 @@ pub fn thresholds(renderer: Option<&Renderer>, folder: &Path) -> Result<Vec<Thre
     out.extend(fom()?);
     out.extend(bsm()?);
     if let Some(renderer) = renderer {
-        let device = Device::new(renderer, folder)?;
+        let device = DeviceSearch::new(renderer, folder)?;
         for threshold in &mut out {
             threshold.device = device.find(threshold);
         }

@@ -29,7 +29,7 @@ pub mod select;
 pub mod table;
 
 pub use interval::Interval;
-pub use run::{Event, Progress, run};
+pub use run::{StudyEvent, StudyProgress, run};
 
 use crate::batch::record::{Clock, Report};
 use crate::config::Study;

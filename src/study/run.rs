@@ -6,7 +6,7 @@ use super::select::Records;
 use super::{EXPERIMENTS, Outcome, conclude};
 use crate::backend::Backend;
 use crate::batch::{self, lock::Lock, record::Report};
-use crate::config::{CellSpec, Experiment, Matrix, Study, Test, View, expand};
+use crate::config::{CellSpec, Experiment, Matrix, MatrixView, Study, Test, expand};
 use crate::error::Result;
 use crate::occlusion::is_truth;
 use crate::reconstruct::Registry;
@@ -25,7 +25,7 @@ const LEAST_SAMPLES: f64 = 3e6;
 
 /// How far a study is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
+pub struct StudyProgress {
     /// Finished share of the forecast work, 0…1.
     pub share: f64,
     /// Seconds to go at the speed so far; `None` before there is one.
@@ -34,7 +34,7 @@ pub struct Progress {
 
 /// What happens during a study.
 #[derive(Clone, Debug)]
-pub enum Event<'a> {
+pub enum StudyEvent<'a> {
     /// An experiment begins.
     Begins {
         /// Position, from 0.
@@ -45,13 +45,13 @@ pub enum Event<'a> {
         title: &'a str,
     },
     /// The batch of an experiment says something.
-    Batch(batch::Event, Progress),
+    Batch(batch::Event, StudyProgress),
     /// The report of an experiment is written.
-    Done(&'a str, Progress),
+    Done(&'a str, StudyProgress),
 }
 
 /// Receives events; `Break` stops the study, finished cells are kept.
-pub type Observer<'a> = &'a mut dyn FnMut(Event<'_>) -> ControlFlow<()>;
+pub type StudyObserver<'a> = &'a mut dyn FnMut(StudyEvent<'_>) -> ControlFlow<()>;
 
 /// Density samples that an experiment takes, all alike: in all for its truths, and of each cell.
 struct Forecast {
@@ -65,8 +65,9 @@ impl Forecast {
         let rounds = f64::from(experiment.runs + experiment.discard + 1);
         let flicker = (frames - 1.0) * experiment.flicker.len() as f64;
         let moving = frames * experiment.ghosting.len() as f64;
-        let truth =
-            |view: &View| (1.0 + flicker) * (view_samples(view) * TRUTH_SAMPLES + LEAST_SAMPLES);
+        let truth = |view: &MatrixView| {
+            (1.0 + flicker) * (view_samples(view) * TRUTH_SAMPLES + LEAST_SAMPLES)
+        };
         let cells = matrix.views.iter().flat_map(|view| {
             view.cells.iter().map(move |cell| {
                 let whole = cell_samples(view, cell, 1.0);
@@ -97,13 +98,13 @@ impl Forecast {
 }
 
 /// Pixels × steps × one half, which stands for the cloud's share.
-fn view_samples(view: &View) -> f64 {
+fn view_samples(view: &MatrixView) -> f64 {
     let pixels = f64::from(view.image.width) * f64::from(view.image.height);
     0.5 * pixels * f64::from(view.scene.march.steps)
 }
 
 /// Samples of a picture that marches a `share` of its pixels.
-fn cell_samples(view: &View, cell: &CellSpec, share: f64) -> f64 {
+fn cell_samples(view: &MatrixView, cell: &CellSpec, share: f64) -> f64 {
     let number = |name| cell.params.int(name).map_or(0.0, f64::from);
     let look_ups = share * view_samples(view);
     match number("resolution") {
@@ -119,7 +120,7 @@ pub fn run(
     backend: &Backend,
     folder: &Path,
     cache: Option<&TruthCache>,
-    observe: Observer<'_>,
+    observe: StudyObserver<'_>,
 ) -> Result<(Outcome, PathBuf)> {
     let entries = study.experiments.iter();
     let matrices = entries.map(|e| expand(&e.experiment, &Registry));
@@ -136,7 +137,7 @@ pub fn run(
     for (index, (entry, forecast)) in study.experiments.iter().zip(&forecasts).enumerate() {
         let count = study.experiments.len();
         let title = entry.title.as_str();
-        tell(observe(Event::Begins {
+        tell(observe(StudyEvent::Begins {
             index,
             count,
             title,
@@ -151,13 +152,13 @@ pub fn run(
                 batch::Event::Cell(cell) => meter.done += forecast.cell(cell.index),
                 _ => {}
             }
-            observe(Event::Batch(event, meter.progress()))
+            observe(StudyEvent::Batch(event, meter.progress()))
         };
         let report = batch::run(&entry.experiment, backend, &own, cache, &mut watch)?;
         meter.done = before + forecast.total();
         reports.push((entry.id.clone(), report));
         write_report(study, &mut reports, &own)?;
-        tell(observe(Event::Done(&entry.id, meter.progress())))?;
+        tell(observe(StudyEvent::Done(&entry.id, meter.progress())))?;
     }
     conclude(study, &reports, folder)
 }
@@ -193,10 +194,10 @@ impl Meter {
         self.found += work;
     }
 
-    fn progress(&self) -> Progress {
+    fn progress(&self) -> StudyProgress {
         let own = self.done - self.found;
         let left = (self.total - self.done).max(0.0);
-        Progress {
+        StudyProgress {
             share: (self.done / self.total.max(1.0)).min(1.0),
             eta_s: (own > 0.0).then(|| self.start.elapsed().as_secs_f64() * left / own),
         }

@@ -6,7 +6,7 @@ use super::shown::Shown;
 use super::view::{Mode, Pane, Play};
 use super::{banner, batch, controls, files, help, lower, measure, menu, remember};
 use crate::config::load_scene;
-use crate::config::shipped::{self, Kind};
+use crate::config::shipped::{self, FileKind};
 use crate::error::Result;
 use crate::live::{Live, Request, State, Update};
 use crate::occlusion::{MethodSetup, REGISTRY};
@@ -53,8 +53,8 @@ pub struct App {
     pub(super) initial: State,
     pub(super) banners: banner::Banners,
     pub(super) files: files::Files,
-    pub(super) batch: batch::Batch,
-    pub(super) memory: remember::Memory,
+    pub(super) batch: batch::BatchPanel,
+    pub(super) memory: remember::WindowMemory,
     /// The list of keys is open.
     pub(super) help: bool,
     sent: Option<Request>,
@@ -66,7 +66,7 @@ pub struct App {
 impl App {
     /// The content of a window over a worker.
     pub fn new(live: Live, adapter: String, state: Option<State>, start: Instant) -> Result<Self> {
-        let scenes = shipped::list(Kind::Scene);
+        let scenes = shipped::list(FileKind::Scene);
         let (state, scene_file) = match state {
             Some(state) => (state, None),
             None => {
@@ -92,8 +92,8 @@ impl App {
             undoer: Undoer::default(),
             banners: banner::Banners::default(),
             files: files::Files::default(),
-            batch: batch::Batch::default(),
-            memory: remember::Memory::default(),
+            batch: batch::BatchPanel::default(),
+            memory: remember::WindowMemory::default(),
             help: false,
             sent: None,
             serial: 0,

@@ -13,11 +13,11 @@ pub const REPORTS: &str = "reports";
 
 /// The batch of this window, if one was started.
 #[derive(Default)]
-pub struct Batch {
-    run: Option<Run>,
+pub struct BatchPanel {
+    run: Option<RunningBatch>,
 }
 
-struct Run {
+struct RunningBatch {
     name: String,
     folder: PathBuf,
     cells: usize,
@@ -29,7 +29,7 @@ struct Run {
     outcome: Option<std::result::Result<PathBuf, String>>,
 }
 
-impl Batch {
+impl BatchPanel {
     /// Is a batch under way?
     pub fn is_running(&self) -> bool {
         self.run.as_ref().is_some_and(|run| run.outcome.is_none())
@@ -50,7 +50,7 @@ impl App {
         }
         let folder = report_folder(reports, &name);
         self.live.batch(config.to_owned(), folder.clone());
-        self.batch.run = Some(Run {
+        self.batch.run = Some(RunningBatch {
             name,
             folder,
             cells: 0,
@@ -105,7 +105,7 @@ pub fn draw(app: &mut App, ctx: &egui::Context) {
     }
 }
 
-impl Run {
+impl RunningBatch {
     fn take(&mut self, event: Event) {
         match event {
             Event::Planned { cells, done } => (self.cells, self.done) = (cells, done),
@@ -136,7 +136,7 @@ fn failure(cell: &Cell) -> Option<String> {
 }
 
 /// A batch under way; `true`: it is to end.
-fn progress(run: &Run, ui: &mut egui::Ui) -> bool {
+fn progress(run: &RunningBatch, ui: &mut egui::Ui) -> bool {
     ui.label("Pictures in the window wait until the batch is over.");
     // Above what changes its height: the button stays where it is.
     let button = egui::Button::new(if run.cancelled { "Ending…" } else { "Cancel" });
@@ -156,7 +156,11 @@ fn progress(run: &Run, ui: &mut egui::Ui) -> bool {
 }
 
 /// A batch that is over; `true`: its window is to be closed.
-fn result(run: &Run, outcome: &std::result::Result<PathBuf, String>, ui: &mut egui::Ui) -> bool {
+fn result(
+    run: &RunningBatch,
+    outcome: &std::result::Result<PathBuf, String>,
+    ui: &mut egui::Ui,
+) -> bool {
     match outcome {
         Ok(page) => {
             let (cells, failed) = (run.cells, run.failed.len());
@@ -187,7 +191,7 @@ fn result(run: &Run, outcome: &std::result::Result<PathBuf, String>, ui: &mut eg
     .inner
 }
 
-fn messages(run: &Run, ui: &mut egui::Ui) {
+fn messages(run: &RunningBatch, ui: &mut egui::Ui) {
     if run.failed.is_empty() && run.notes.is_empty() {
         return;
     }

@@ -89,13 +89,13 @@ fn times(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
 }
 
 /// A line of the plot: its name, and the time of a run.
-type Series = (&'static str, fn(&PassTimes) -> Option<f64>);
+type PlotSeries = (&'static str, fn(&PassTimes) -> Option<f64>);
 
 /// Times of A over its last runs, and their medians.
 fn rolling(app: &App, ui: &mut egui::Ui) {
     let runs = &app.shown.runs;
     let visuals = ui.visuals().clone();
-    let series: [Series; 3] = [
+    let series: [PlotSeries; 3] = [
         ("generate", |t| t.generate),
         ("march", |t| t.march),
         ("total", PassTimes::total),

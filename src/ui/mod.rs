@@ -36,7 +36,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// What the window is opened with.
-pub struct Options {
+pub struct WindowOptions {
     /// What to show first; `None` = where the last window was left, else the first scene by name.
     pub state: Option<State>,
     /// Folder of shaders to read instead of the compiled-in ones, and to watch.
@@ -46,7 +46,7 @@ pub struct Options {
 }
 
 /// Opens the window on `gpu`, which was made by [`Gpu::for_window`], and returns when it is closed.
-pub fn open(gpu: Gpu, options: Options) -> Result<()> {
+pub fn open(gpu: Gpu, options: WindowOptions) -> Result<()> {
     // One device for both, except on llvmpipe: after a frame of the window it would put off the timestamps of the
     // passes behind it until the next, so that they measure nothing.
     let own = match gpu.is_software() {

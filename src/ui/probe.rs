@@ -5,7 +5,7 @@ use super::ink::ink;
 use super::lower::{self, Lower};
 use crate::live::{Probed, Where};
 use crate::occlusion::{MethodSetup, REGISTRY};
-use crate::probe::Curve;
+use crate::probe::MethodCurve;
 use crate::scene::{ImageSize, Scene};
 use eframe::egui;
 use egui_plot::{Corner, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points, VLine};
@@ -129,7 +129,7 @@ fn notes(probed: &Probed) -> Vec<String> {
     if let Some(seen_m) = probed.seen_m {
         notes.push(format!("seen at {seen_m:.0} m"));
     }
-    let has = |test: fn(&Curve) -> bool| probe.curves.iter().any(test);
+    let has = |test: fn(&MethodCurve) -> bool| probe.curves.iter().any(test);
     if has(|c| c.outside.contains(&true)) {
         notes.push("× outside the truth's range".to_owned());
     }
@@ -201,7 +201,7 @@ fn chart(ui: &mut egui::Ui, names: &[String], probed: &Probed) {
 const MARKED: usize = 8;
 
 /// Where a curve is outside the truth's range, and where its clamp sets in; in the legend under the curve's name.
-fn marks(name: &str, depths_m: &[f64], curve: &Curve) -> Vec<Points<'static>> {
+fn marks(name: &str, depths_m: &[f64], curve: &MethodCurve) -> Vec<Points<'static>> {
     let point = |i: usize| [depths_m[i], curve.transmittance[i]];
     let outside = (0..depths_m.len()).filter(|i| curve.outside[*i]);
     let outside: Vec<_> = outside.step_by(MARKED).map(point).collect();

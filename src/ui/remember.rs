@@ -76,7 +76,7 @@ struct Now {
 
 /// What was written last, and what is being written.
 #[derive(Default)]
-pub struct Memory {
+pub struct WindowMemory {
     file: Option<PathBuf>,
     /// To be applied when there is something to apply it to.
     recalled: Option<ThemePreference>,

@@ -20,7 +20,7 @@ const RUNS: usize = 120;
 /// Everything the window has to show for the current request, by slot.
 #[derive(Default)]
 pub struct Shown {
-    pictures: HashMap<Slot, Picture>,
+    pictures: HashMap<Slot, ShownPicture>,
     compared: HashMap<Slot, Compared>,
     expected: VecDeque<Expected>,
     /// What `runs` are times of.
@@ -42,7 +42,7 @@ pub struct Shown {
 }
 
 /// A picture on the screen.
-pub struct Picture {
+pub struct ShownPicture {
     serial: u64,
     /// What was drawn.
     pub drawn: Drawn,
@@ -89,7 +89,7 @@ impl Shown {
     }
 
     /// The picture of a slot.
-    pub fn picture(&self, slot: Slot) -> Option<&Picture> {
+    pub fn picture(&self, slot: Slot) -> Option<&ShownPicture> {
         self.pictures.get(&slot)
     }
 
@@ -182,7 +182,7 @@ impl Shown {
             }
             None => {
                 let texture = texture(ctx, &format!("picture {slot:?}"), &drawn.rgb);
-                let picture = Picture {
+                let picture = ShownPicture {
                     serial,
                     drawn,
                     texture,

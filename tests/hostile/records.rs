@@ -3,7 +3,7 @@
 use super::damage::{cases, changed, changes, damaged, edits, json, text};
 use super::is_one_paragraph;
 use occlab::batch::record::Report;
-use occlab::batch::{Plan, planned_cell};
+use occlab::batch::{BatchPlan, planned_cell};
 use occlab::config::{describe, expand, parse_experiment};
 use occlab::reconstruct::Registry;
 use proptest::prelude::*;
@@ -128,12 +128,12 @@ fn matrix(experiment: &Value) -> occlab::config::Matrix {
 }
 
 /// What is planned from a report with its volume beside it.
-fn plan(report: &Value) -> Result<Plan, (occlab::Error, PathBuf)> {
+fn plan(report: &Value) -> Result<BatchPlan, (occlab::Error, PathBuf)> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("report.json");
     std::fs::write(folder.path().join("cube.npy"), "x").unwrap();
     std::fs::write(&path, report.to_string()).unwrap();
-    Plan::of_report(&path).map_err(|error| (error, path))
+    BatchPlan::of_report(&path).map_err(|error| (error, path))
 }
 
 #[test]

@@ -30,9 +30,9 @@ fn open(folder: &Path) -> Result<Store> {
     Store::open(folder, state()).map(|(store, _)| store)
 }
 
-fn state() -> State {
+fn state() -> FolderState {
     let report = report();
-    State {
+    FolderState {
         experiment: report.experiment,
         environment: report.environment,
         sources: "a".repeat(64),
@@ -41,7 +41,7 @@ fn state() -> State {
     }
 }
 
-fn opened_as(edit: impl FnOnce(&mut State)) -> Result<Vec<String>> {
+fn opened_as(edit: impl FnOnce(&mut FolderState)) -> Result<Vec<String>> {
     let folder = tempfile::tempdir().expect("folder");
     open(folder.path())?;
     let mut other = state();
@@ -51,7 +51,7 @@ fn opened_as(edit: impl FnOnce(&mut State)) -> Result<Vec<String>> {
 
 #[test]
 fn records_of_other_sources_or_machines_are_refused_by_name() {
-    let refused = |edit: &dyn Fn(&mut State), words: &[&str]| {
+    let refused = |edit: &dyn Fn(&mut FolderState), words: &[&str]| {
         let error = opened_as(edit).expect_err("refused").to_string();
         for word in words.iter().chain(&["--out"]) {
             assert!(error.contains(word), "{word}: {error}");

@@ -18,7 +18,7 @@ pub fn schema(catalogue: &dyn Catalogue) -> Value {
     generator.subschema_for::<ImageSize>();
     generator.subschema_for::<Track>();
     generator.subschema_for::<CameraTrack>();
-    generator.subschema_for::<stability::File>();
+    generator.subschema_for::<stability::StabilityFile>();
     let mut definitions = generator.take_definitions(true);
     let reconstructions = catalogue.reconstructions();
     let (experiment, methods) = (experiment(&reconstructions), methods(catalogue));

@@ -1,6 +1,6 @@
 //! The parts of the schema for study files: those of the Rust types, where any value may also be `"$NAME"`.
 
-use super::super::study::File;
+use super::super::study::StudyFile;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
@@ -12,7 +12,7 @@ const LITERAL: &str = "StudyProfile";
 /// Definitions for a study: `Study` and what it refers to. `experiment` and `methods` are those of experiment files.
 pub(super) fn definitions(experiment: &Value, methods: &Value) -> Map<String, Value> {
     let mut generator = SchemaSettings::draft2020_12().into_generator();
-    generator.subschema_for::<File>();
+    generator.subschema_for::<StudyFile>();
     let mut definitions = generator.take_definitions(true);
     definitions["StudyExperiment"]["properties"]["matrix"] = matrix(experiment);
     definitions.insert("StudyMethod".to_owned(), methods.clone());

@@ -78,7 +78,7 @@ pub struct StudyExperiment {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Study")]
-pub(super) struct File {
+pub(super) struct StudyFile {
     /// Short name; it names the report folder. Lower-case letters, digits, hyphens.
     name: String,
     /// Heading of the page.
@@ -170,7 +170,7 @@ fn from_document(document: &Document, profile: &str) -> Result<Study> {
         return Err(Error::input("--profile", problem, remedy));
     };
     let filled = fill(document, profile, &chosen.values)?;
-    let file: File = filled.get("")?;
+    let file: StudyFile = filled.get("")?;
     check_names(&filled, &file)?;
     let experiments = (0..file.experiments.len())
         .map(|i| study_experiment(&filled, &file, i))
@@ -256,7 +256,7 @@ fn replace(
 }
 
 /// Ids that name folders and anchors, and references between the parts of the file.
-fn check_names(document: &Document, file: &File) -> Result<()> {
+fn check_names(document: &Document, file: &StudyFile) -> Result<()> {
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     let named = |name: &str| !name.is_empty() && name.len() <= 60 && name.chars().all(plain);
     if !named(&file.name) {
@@ -348,7 +348,7 @@ fn check_references(
     }
 }
 
-fn study_experiment(document: &Document, file: &File, i: usize) -> Result<StudyExperiment> {
+fn study_experiment(document: &Document, file: &StudyFile, i: usize) -> Result<StudyExperiment> {
     let entry = &file.experiments[i];
     let mut matrix = entry.matrix.clone();
     let name = format!("Study {} · {}", file.name, entry.title);

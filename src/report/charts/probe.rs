@@ -4,7 +4,7 @@ use super::super::format::number;
 use super::super::style::Style;
 use super::axis::AxisSpec;
 use super::chart::{Chart, Data, GREY, Look, Plane, Point, SOLID, Series};
-use crate::probe::{Curve, Probe};
+use crate::probe::{MethodCurve, Probe};
 
 /// Depths between two markers of a curve.
 const MARKED: usize = 64;
@@ -64,7 +64,7 @@ fn curve(probe: &Probe, i: usize) -> Series {
 }
 
 /// Where a series is outside, and the point where a clamp sets in.
-fn marks(probe: &Probe, curve: &Curve) -> Vec<Series> {
+fn marks(probe: &Probe, curve: &MethodCurve) -> Vec<Series> {
     let style = Style::of(curve.method);
     let pairs = probe.depths_m.windows(2).enumerate();
     let outside = pairs.filter(|(i, _)| curve.outside[i + 1]);

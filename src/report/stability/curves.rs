@@ -8,7 +8,7 @@ use super::super::shell::parts;
 use super::super::style::Style;
 use super::heat::label;
 use crate::error::Result;
-use crate::stability::{Case, Row, Sweep, Verdict};
+use crate::stability::{FormVerdict, Sweep, SweepCase, SweepRow};
 use maud::{Markup, html};
 
 /// T at the upper edge of a chart.
@@ -22,16 +22,19 @@ pub struct Drawing {
 
 /// The worst curves of every method and form: one that rings, one that breaks, one with values that are not finite.
 pub fn charts(sweep: &Sweep) -> Result<Vec<Drawing>> {
-    let mut picked: Vec<(&Case, &Row, bool, f64)> = Vec::new();
+    let mut picked: Vec<(&SweepCase, &SweepRow, bool, f64)> = Vec::new();
     for case in &sweep.cases {
         for row in &case.rows {
-            let notable = matches!(row.flushed.verdict, Verdict::Breaks | Verdict::Rings);
+            let notable = matches!(
+                row.flushed.verdict,
+                FormVerdict::Breaks | FormVerdict::Rings
+            );
             if !notable || row.setting.storage == "-" || row.curve.is_empty() {
                 continue;
             }
             let holes = row.curve.iter().any(Option::is_none);
             let entry = (case, row, holes, badness(case, row));
-            let key = |(_, r, h, _): &(&Case, &Row, bool, f64)| {
+            let key = |(_, r, h, _): &(&SweepCase, &SweepRow, bool, f64)| {
                 let s = &r.setting;
                 (s.method.clone(), s.form.clone(), *h, r.flushed.verdict)
             };
@@ -52,7 +55,7 @@ pub fn charts(sweep: &Sweep) -> Result<Vec<Drawing>> {
             row.flushed.verdict,
         )
     });
-    let draw = |(case, row, _, _): &(&Case, &Row, bool, f64)| {
+    let draw = |(case, row, _, _): &(&SweepCase, &SweepRow, bool, f64)| {
         let chart = chart(sweep, case, row);
         let title = format!("{}, {}", chart.title, chart.of);
         Ok(chart.svg()?.map(|svg| Drawing { title, svg }))
@@ -65,8 +68,8 @@ pub fn charts(sweep: &Sweep) -> Result<Vec<Drawing>> {
 
 /// How much the drawn column shows: the largest rise of a curve that rings, else mean |T − truth|, where what is not
 /// finite counts 1.
-fn badness(case: &Case, row: &Row) -> f64 {
-    if row.flushed.verdict == Verdict::Rings {
+fn badness(case: &SweepCase, row: &SweepRow) -> f64 {
+    if row.flushed.verdict == FormVerdict::Rings {
         let mut lowest = f32::INFINITY;
         let rises = row.curve.iter().flatten().map(|t| {
             lowest = lowest.min(*t);
@@ -81,14 +84,14 @@ fn badness(case: &Case, row: &Row) -> f64 {
     sum / case.truth.len().max(1) as f64
 }
 
-fn chart(sweep: &Sweep, case: &Case, row: &Row) -> Chart {
+fn chart(sweep: &Sweep, case: &SweepCase, row: &SweepRow) -> Chart {
     let truth = Series {
         label: "truth".to_owned(),
         style: Style::of("truth"),
         look: Look::Bare(SOLID, 3),
         points: points(case, case.truth.iter().copied()),
     };
-    let curve = |row: &Row, dash: Dash| Series {
+    let curve = |row: &SweepRow, dash: Dash| Series {
         label: label(&row.setting),
         style: Style::of(&row.setting.method),
         look: Look::Bare(dash, 2),
@@ -119,13 +122,13 @@ fn chart(sweep: &Sweep, case: &Case, row: &Row) -> Chart {
     }
 }
 
-fn points(case: &Case, values: impl Iterator<Item = f64>) -> Vec<Point> {
+fn points(case: &SweepCase, values: impl Iterator<Item = f64>) -> Vec<Point> {
     let pairs = case.depths.iter().zip(values);
     pairs.map(|(depth, t)| Point::at(*depth, t)).collect()
 }
 
 /// The stable form of a published one at the same setting, where there is one.
-fn stable<'a>(case: &'a Case, row: &Row) -> Option<&'a Row> {
+fn stable<'a>(case: &'a SweepCase, row: &SweepRow) -> Option<&'a SweepRow> {
     if row.setting.form != "published" {
         return None;
     }

@@ -2,7 +2,7 @@
 
 use super::super::format::{maybe, number};
 use super::device;
-use crate::stability::{Case, Columns, Picture, Row, Setting, Sweep, Verdict};
+use crate::stability::{Columns, FormVerdict, Setting, Sweep, SweepCase, SweepPicture, SweepRow};
 use maud::{Markup, html};
 
 /// Width of a column of the map, px; the style sheet has the same.
@@ -75,7 +75,7 @@ fn legend() -> Markup {
     }
 }
 
-fn map(sweep: &Sweep, settings: &[&Setting], cell: &dyn Fn(&Row) -> Cell) -> Markup {
+fn map(sweep: &Sweep, settings: &[&Setting], cell: &dyn Fn(&SweepRow) -> Cell) -> Markup {
     let groups = sweep.cases.chunk_by(|a, b| a.group == b.group);
     html! {
         div.scroll tabindex="0" { table.heat {
@@ -125,7 +125,7 @@ pub fn label(setting: &Setting) -> String {
     kept.join(" ")
 }
 
-fn shown(case: &Case, setting: &Setting, cell: &dyn Fn(&Row) -> Cell) -> Cell {
+fn shown(case: &SweepCase, setting: &Setting, cell: &dyn Fn(&SweepRow) -> Cell) -> Cell {
     if let Some(reason) = &case.refused {
         return Cell {
             class: "is-refused",
@@ -161,7 +161,7 @@ fn oracle_cell(columns: &Columns) -> Cell {
     )
 }
 
-fn device_cell(picture: &Picture) -> Cell {
+fn device_cell(picture: &SweepPicture) -> Cell {
     let range = picture.range.map_or("n/a".to_owned(), |[low, high]| {
         format!("{}…{}", number(low), number(high))
     });
@@ -177,13 +177,18 @@ fn device_cell(picture: &Picture) -> Cell {
     )
 }
 
-fn verdict_cell(verdict: Verdict, reason: Option<&str>, error: Option<f64>, numbers: &str) -> Cell {
+fn verdict_cell(
+    verdict: FormVerdict,
+    reason: Option<&str>,
+    error: Option<f64>,
+    numbers: &str,
+) -> Cell {
     let (class, symbol) = match verdict {
-        Verdict::Ok => error_class(error),
-        Verdict::Rings => ("is-rings", "~"),
-        Verdict::Breaks => ("is-breaks", "✕"),
-        Verdict::Refused => ("is-refused", "R"),
-        Verdict::Failed => ("is-failed", "!"),
+        FormVerdict::Ok => error_class(error),
+        FormVerdict::Rings => ("is-rings", "~"),
+        FormVerdict::Breaks => ("is-breaks", "✕"),
+        FormVerdict::Refused => ("is-refused", "R"),
+        FormVerdict::Failed => ("is-failed", "!"),
     };
     let title = match reason {
         Some(reason) => format!("{reason}; {numbers}"),

@@ -8,7 +8,7 @@ use super::files;
 use super::shell::parts::plural;
 use super::shell::{Header, Link, Page, page};
 use crate::error::{Error, Result};
-use crate::stability::{Sweep, Verdict};
+use crate::stability::{FormVerdict, Sweep};
 use maud::{Markup, html};
 use std::path::{Path, PathBuf};
 
@@ -67,7 +67,7 @@ fn device(sweep: &Sweep) -> String {
 fn summary(sweep: &Sweep) -> Markup {
     let defects = sweep.defects().len();
     let rows: usize = sweep.cases.iter().map(|case| case.rows.len()).sum();
-    let of = |form: &str, verdict: Verdict| sweep.count(form, verdict);
+    let of = |form: &str, verdict: FormVerdict| sweep.count(form, verdict);
     html! {
         p {
             (plural(sweep.cases.len(), "extreme")) ", " (plural(rows, "result")) ", profile " (sweep.profile) ". "
@@ -85,7 +85,7 @@ fn summary(sweep: &Sweep) -> Markup {
             tbody { @for (form, name) in [("stable", "stable form"), ("published", "published form"), ("-", "one form only")] {
                 tr {
                     th scope="row" { (name) }
-                    @for verdict in [Verdict::Ok, Verdict::Rings, Verdict::Breaks, Verdict::Refused] {
+                    @for verdict in [FormVerdict::Ok, FormVerdict::Rings, FormVerdict::Breaks, FormVerdict::Refused] {
                         td.n { (of(form, verdict)) }
                     }
                 }

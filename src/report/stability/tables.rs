@@ -4,7 +4,7 @@ use super::super::format::{NONE, number};
 use super::super::shell::parts::{self, plural};
 use super::device;
 use super::heat::label;
-use crate::stability::{Found, SEARCHED, Sweep, Threshold};
+use crate::stability::{SEARCHED, SearchResult, Sweep, Threshold};
 use maud::{Markup, html};
 
 /// Forms that must hold and do not; nothing when all hold.
@@ -80,9 +80,9 @@ fn at(value: Option<f64>, threshold: &Threshold) -> String {
 fn found(threshold: &Threshold) -> String {
     match &threshold.device {
         None => NONE.to_owned(),
-        Some(Found::At(v)) => format!("{v:.2}"),
-        Some(Found::NotUpTo(limit)) => format!("not up to {}", number(*limit)),
-        Some(Found::Failed(words)) => words.clone(),
+        Some(SearchResult::At(v)) => format!("{v:.2}"),
+        Some(SearchResult::NotUpTo(limit)) => format!("not up to {}", number(*limit)),
+        Some(SearchResult::Failed(words)) => words.clone(),
     }
 }
 

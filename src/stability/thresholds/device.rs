@@ -2,7 +2,7 @@
 
 use super::super::cases::write_volumes;
 use super::super::pictures::{nonfinite, render};
-use super::{Found, NAN, THICKNESS, Threshold};
+use super::{NAN, SearchResult, THICKNESS, Threshold};
 use crate::config::{Fill, VolumeFile};
 use crate::error::{Error, Result};
 use crate::occlusion::MethodSetup;
@@ -11,7 +11,7 @@ use crate::scene::{ImageSize, Scene};
 use std::path::Path;
 
 /// Searches on the device: tiny scenes under a zenith sun.
-pub(super) struct Device<'a> {
+pub(super) struct DeviceSearch<'a> {
     renderer: &'a Renderer,
     /// Medium in the last cell of every column: z = 0.99.
     deep: Scene,
@@ -19,7 +19,7 @@ pub(super) struct Device<'a> {
     uniform: Scene,
 }
 
-/// Front of the columns of [`Device::deep`], over their length: the near edge of the last of 100 steps.
+/// Front of the columns of [`DeviceSearch::deep`], over their length: the near edge of the last of 100 steps.
 const DEEP_FRONT: f64 = 0.99;
 /// Edge of the box, metres.
 const EDGE_M: f64 = 1000.0;
@@ -30,7 +30,7 @@ const DEVICE_C: f64 = 200.0;
 /// τ of a step is searched up to here on the device.
 const DEVICE_TAU: f64 = 1000.0;
 
-impl<'a> Device<'a> {
+impl<'a> DeviceSearch<'a> {
     pub fn new(renderer: &'a Renderer, folder: &Path) -> Result<Self> {
         let deep = VolumeFile {
             cells: [1, 128, 1],
@@ -51,7 +51,7 @@ impl<'a> Device<'a> {
     }
 
     /// What a threshold comes to here; `None` where there is nothing to search.
-    pub fn find(&self, threshold: &Threshold) -> Option<Found> {
+    pub fn find(&self, threshold: &Threshold) -> Option<SearchResult> {
         let form = threshold.form.split(' ').nth(1)?;
         let stored = threshold.what != NAN;
         let found = match (
@@ -71,7 +71,7 @@ impl<'a> Device<'a> {
             }),
             _ => return None,
         };
-        Some(found.unwrap_or_else(|error| Found::Failed(error.to_string())))
+        Some(found.unwrap_or_else(|error| SearchResult::Failed(error.to_string())))
     }
 
     fn setup(&self, id: &str, form: &str, storage: &str) -> Result<MethodSetup> {
@@ -92,10 +92,10 @@ impl<'a> Device<'a> {
     }
 
     /// [`bisect`] with a test that can fail itself.
-    fn search(&self, high: f64, fails: impl Fn(f64) -> Result<bool>) -> Result<Found> {
+    fn search(&self, high: f64, fails: impl Fn(f64) -> Result<bool>) -> Result<SearchResult> {
         let limit = high;
         if !fails(high)? {
-            return Ok(Found::NotUpTo(limit));
+            return Ok(SearchResult::NotUpTo(limit));
         }
         let (mut low, mut high) = (1.0, high);
         for _ in 0..DEVICE_HALVINGS {
@@ -106,7 +106,7 @@ impl<'a> Device<'a> {
                 low = middle;
             }
         }
-        Ok(Found::At(high))
+        Ok(SearchResult::At(high))
     }
 }
 

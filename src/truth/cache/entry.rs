@@ -12,14 +12,14 @@ use std::path::{Path, PathBuf};
 
 /// What stands in the sheet.
 #[derive(Serialize, Deserialize)]
-struct Sheet {
+struct TruthSheet {
     cost: TruthCost,
     /// Checksum of the picture's file and `cost`, see [`checksum`].
     checksum: String,
 }
 
 /// A file's part in a truth.
-pub(super) enum Part {
+pub(super) enum TruthFile {
     /// What the picture took, and a checksum of both.
     Sheet,
     /// The pixels.
@@ -29,14 +29,14 @@ pub(super) enum Part {
 }
 
 /// The truth that a file belongs to, and its part in it; `None` for a file of another name.
-pub(super) fn part_of(name: &str) -> Option<(&str, Part)> {
+pub(super) fn part_of(name: &str) -> Option<(&str, TruthFile)> {
     if name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1) {
-        return Some((name, Part::Unfinished));
+        return Some((name, TruthFile::Unfinished));
     }
     let (id, extension) = name.split_once('.')?;
     let part = match extension {
-        "json" => Part::Sheet,
-        "exr" => Part::Picture,
+        "json" => TruthFile::Sheet,
+        "exr" => TruthFile::Picture,
         _ => return None,
     };
     let digit = |c: u8| c.is_ascii_digit() || (b'a'..=b'f').contains(&c);
@@ -86,7 +86,7 @@ fn described(
     let unusable = |path: &Path, problem: &str| {
         Error::input(path.display().to_string(), problem, "Nothing to do.")
     };
-    let Sheet {
+    let TruthSheet {
         cost,
         checksum: kept,
     } = serde_json::from_slice(text).map_err(|e| unusable(sheet, &e.to_string()))?;
@@ -110,7 +110,7 @@ pub(super) fn write(folder: &Path, id: &str, frame: &Frame, cost: &TruthCost) ->
     let (picture, sheet) = (picture(folder, id), sheet(folder, id));
     write_frame(&picture, frame)?;
     let bytes = std::fs::read(&picture).map_err(Error::reading(&picture))?;
-    let content = Sheet {
+    let content = TruthSheet {
         cost: *cost,
         checksum: checksum(&bytes, cost),
     };

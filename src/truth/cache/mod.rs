@@ -209,14 +209,14 @@ impl Item {
         }
     }
 
-    fn add(&mut self, part: entry::Part, path: PathBuf, bytes: u64, modified: SystemTime) {
+    fn add(&mut self, part: entry::TruthFile, path: PathBuf, bytes: u64, modified: SystemTime) {
         self.bytes += bytes;
         match part {
-            entry::Part::Sheet => {
+            entry::TruthFile::Sheet => {
                 self.files.insert(0, path);
                 (self.used, self.whole) = (modified, true);
             }
-            entry::Part::Picture | entry::Part::Unfinished => self.files.push(path),
+            entry::TruthFile::Picture | entry::TruthFile::Unfinished => self.files.push(path),
         }
     }
 

@@ -215,7 +215,7 @@ fn a_file_that_cannot_be_removed_is_named_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let mut item = Item::new(&id(1), SystemTime::now());
     item.add(
-        entry::Part::Sheet,
+        entry::TruthFile::Sheet,
         folder.path().to_owned(),
         1,
         SystemTime::now(),

@@ -8,7 +8,7 @@ use eframe::egui::{self, Key, Modifiers};
 pub const KEYS: &[(&str, &str)] = &[
     (
         "1 … 7",
-        "Single, Split, A | B, Grid, Flicker, Difference, Truth",
+        "Single, Split, A | B, Grid, Alternation, Difference, Truth",
     ),
     ("Space", "Flicker: show the other method"),
     ("P", "Play or pause the day"),

@@ -83,12 +83,12 @@ pub struct Pane {
     /// The side, 0 or 1, whose light map is shown there.
     pub map_side: usize,
     /// Where [`Mode::Flicker`] is.
-    pub flicker: Flicker,
+    pub flicker: Alternation,
 }
 
 /// A and B in turn.
 #[derive(Clone, Copy, Debug)]
-pub struct Flicker {
+pub struct Alternation {
     /// The side on the screen.
     pub side: usize,
     /// The side changes once a second without a key.
@@ -106,7 +106,7 @@ impl Default for Pane {
             divider: 0.5,
             lower: None,
             map_side: 0,
-            flicker: Flicker {
+            flicker: Alternation {
                 side: 0,
                 by_itself: true,
                 since_s: 0.0,
@@ -122,7 +122,7 @@ impl Pane {
     }
 }
 
-impl Flicker {
+impl Alternation {
     /// Shows the other side.
     pub fn flip(&mut self, now_s: f64) {
         self.side = 1 - self.side.min(1);
