@@ -5,11 +5,12 @@ mod common;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use occlab::density::Density;
 use occlab::gpu::{
-    Defs, Leaf, Program, Scalar, Sources, UniformValue, compose, compose_point, pack, struct_leaves,
+    Leaf, Program, Scalar, Sources, UniformValue, compose, compose_point, pack, struct_leaves,
 };
 use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::param::ParamKind;
 use occlab::raymarch::map_defs;
+use occlab::shader_defs::Defs;
 use std::collections::HashSet;
 use std::path::Path;
 

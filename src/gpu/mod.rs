@@ -19,6 +19,6 @@ pub use clocks::{ClockReading, Clocks, Extent};
 pub use context::{AdapterSummary, Gpu, list_adapters};
 pub use kernel::{Inputs, Kernel, Resource};
 pub use readback::{read_buffer, read_texture};
-pub use shader::{Defs, Program, Sources, compose, compose_point};
+pub use shader::{Program, Sources, compose, compose_point};
 pub use timing::{Flight, FlightTimes, PassTime, Span, Timer};
 pub use uniform::{Leaf, Scalar, UniformValue, pack, struct_leaves};

@@ -4,7 +4,7 @@
 //! that every pipeline is specialised and holds no code of a feature its scene or method does not use.
 
 use crate::error::{Error, REPORT, Result};
-pub use crate::shader_defs::Defs;
+use crate::shader_defs::Defs;
 use include_dir::{Dir, include_dir};
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue,

@@ -2,9 +2,10 @@
 
 use crate::cost::Memory;
 use crate::error::{Error, Result};
-use crate::gpu::{Defs, Gpu};
+use crate::gpu::Gpu;
 use crate::occlusion::plan::{MapLayout, MapNumbers, MapPlan, texels};
 use crate::occlusion::{MethodSetup, Plan};
+use crate::shader_defs::Defs;
 use wgpu::TextureFormat as F;
 
 /// Texture format of a map.

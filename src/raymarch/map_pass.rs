@@ -6,11 +6,12 @@ use super::map_storage::MapStorage;
 use super::tiles::{Pass, SLOW_SAMPLES_A_MS, Tiles};
 use super::{Renderer, View};
 use crate::error::{Error, Result};
-use crate::gpu::{Defs, Flight, Gpu, Inputs, Kernel, PassTime, Program, Resource, Span};
+use crate::gpu::{Flight, Gpu, Inputs, Kernel, PassTime, Program, Resource, Span};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::plan::{MapPlan, MethodPass};
 use crate::progress::Progress;
 use crate::scene::MapRectangle;
+use crate::shader_defs::Defs;
 use std::rc::Rc;
 
 /// A light map and all that fills it.

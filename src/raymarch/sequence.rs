@@ -9,8 +9,9 @@ use super::picture::Picture;
 use super::{Renderer, View};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::gpu::{Defs, Flight, Gpu, Inputs, Kernel, Program, Span, UniformValue};
+use crate::gpu::{Flight, Gpu, Inputs, Kernel, Program, Span, UniformValue};
 use crate::scene::{Camera, ImageSize, Pattern, Subset};
+use crate::shader_defs::Defs;
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 

@@ -5,9 +5,10 @@ use super::picture::{Picture, RGBA_BYTES};
 use crate::density::DeviceField;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::gpu::{Defs, Gpu, Inputs};
+use crate::gpu::{Gpu, Inputs};
 use crate::scene::ImageSize;
 use crate::scene::{Container, Integration, Scene};
+use crate::shader_defs::Defs;
 use std::rc::Rc;
 
 /// A scene on the device, seen at one image size.

@@ -152,7 +152,8 @@ fn cloud_behind_the_camera_is_not_seen_again() {
 
 #[test]
 fn the_march_of_a_full_picture_holds_nothing_of_it() {
-    use occlab::gpu::{Defs, Program, Sources, compose};
+    use occlab::gpu::{Program, Sources, compose};
+    use occlab::shader_defs::Defs;
     let names = |defs: Defs| {
         let roles = vec![
             ("container", "container/box.wgsl"),

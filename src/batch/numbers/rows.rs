@@ -98,7 +98,7 @@ rows! {
     }
     reconstruction?.history_bytes {
         label: "History", unit: "bytes", format: Bytes, shown: Cells, or: 0.0,
-        doc: "the pictures that temporal integration remembers; 0 where every pixel is marched"
+        doc: "the pictures that a reconstruction remembers; 0 where every pixel is marched"
     }
     memory.payload_bytes {
         label: "Payload", unit: "bytes", format: Bytes, shown: Cells, study: "payload_bytes",
@@ -170,7 +170,7 @@ rows! {
     }
     reconstruction?.full_rel_rmse {
         label: "Error at rest", unit: "", format: Number, shown: Temporal,
-        doc: "relative RMSE against the full render by the same method, of a camera at rest, after four frames"
+        doc: "relative RMSE against the full render by the same method, of a camera at rest, once its picture changes no more"
     }
     time_ms.generate?.min {
         label: "Map pass, min", unit: "ms", format: Number, shown: Nowhere, doc: "smallest of the rounds' map pass times"

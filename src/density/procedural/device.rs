@@ -5,7 +5,8 @@ use super::calibrate::Calibrator;
 use super::{DETAIL_TEXELS, Deck, Procedural, SHAPE_TEXELS, WEATHER_TEXELS, weather_offset};
 use crate::density::{Built, DeviceField, Surroundings};
 use crate::error::Result;
-use crate::gpu::{Defs, Gpu, Inputs, Kernel, Program, Resource, UniformValue, read_texture};
+use crate::gpu::{Gpu, Inputs, Kernel, Program, Resource, UniformValue, read_texture};
+use crate::shader_defs::Defs;
 use std::time::Instant;
 
 /// Evaluates the field.

@@ -2,9 +2,10 @@
 
 use super::Reprojection;
 use crate::error::Result;
-use crate::gpu::{Defs, Gpu, Inputs, UniformValue};
+use crate::gpu::{Gpu, Inputs, UniformValue};
 use crate::raymarch::{AfterPass, DeviceSequence, Frames};
 use crate::scene::{Camera, ImageSize, Pattern};
+use crate::shader_defs::Defs;
 use glam::{DMat3, DVec3};
 
 /// Pictures that take turns.
