@@ -55,40 +55,9 @@
 //! ```
 //!
 #![doc = include_str!("ARCHITECTURE.md")]
-#![deny(unsafe_code)]
-
-pub mod backend;
-pub mod batch;
-pub mod config;
-pub mod container;
-pub mod cost;
-#[cfg(test)]
-#[path = "../tests/hostile/damage.rs"]
-mod damage;
-pub mod density;
-pub mod environment;
-pub mod error;
-pub mod file_part;
-pub mod frame;
-pub mod gpu;
 pub mod live;
-pub mod metrics;
-pub mod occlusion;
-pub mod oracle;
-pub mod param;
-pub mod probe;
-pub mod problem;
-pub mod progress;
-pub mod provenance;
-pub mod raymarch;
-pub mod reconstruct;
-pub mod report;
-pub mod scene;
-pub mod shader_defs;
-pub mod stability;
-pub mod study;
-pub mod truth;
 #[cfg(feature = "ui")]
 pub mod ui;
 
-pub use error::{Error, Result};
+#[doc(inline)]
+pub use occlab_output::*;

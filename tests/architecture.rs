@@ -4,19 +4,25 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules of the crate with the floor each stands on, 0 lowest, as the architecture lists them.
-fn floors() -> BTreeMap<String, usize> {
+/// Modules with the floor each stands on, 0 lowest, and its crate, as the architecture lists them.
+fn listed() -> BTreeMap<String, (usize, String)> {
     let text = fs::read_to_string(source().join("ARCHITECTURE.md")).expect("architecture");
     let list = text.split("```floors\n").nth(1).expect("list of floors");
     let list = list.split("```").next().expect("end of the list");
     let mut floors = BTreeMap::new();
     for (floor, line) in list.lines().enumerate() {
-        for module in line.split_whitespace() {
-            let before = floors.insert(module.to_owned(), floor);
+        let (krate, modules) = line.split_once(": ").expect("crate: modules");
+        for module in modules.split_whitespace() {
+            let before = floors.insert(module.to_owned(), (floor, krate.to_owned()));
             assert!(before.is_none(), "`{module}` stands on two floors");
         }
     }
     floors
+}
+
+fn floors() -> BTreeMap<String, usize> {
+    let listed = listed().into_iter();
+    listed.map(|(module, (floor, _))| (module, floor)).collect()
 }
 
 fn source() -> PathBuf {
@@ -92,14 +98,31 @@ fn against(floors: &BTreeMap<String, usize>, module: &str, imports: &[String]) -
     found.map(|import| format!("{module}: {import}")).collect()
 }
 
-/// Every module of the crate and its imports.
-fn imports() -> BTreeMap<String, Vec<String>> {
+/// Folders of the crates below `source()`, each with its crate's name; the one on top has the folder itself.
+fn crates() -> Vec<(String, PathBuf)> {
+    let entries = fs::read_dir(source()).expect("src");
+    let paths = entries.map(|entry| entry.expect("entry").path());
+    let parts = paths.filter(|path| path.join("Cargo.toml").exists());
+    let name = |path: &Path| {
+        path.file_name()
+            .expect("name")
+            .to_string_lossy()
+            .into_owned()
+    };
+    let mut crates: Vec<_> = parts.map(|path| (name(&path), path)).collect();
+    crates.push(("occlab".to_owned(), source()));
+    crates
+}
+
+/// Every module of a crate, in its folder, and what it imports.
+fn imports_in(folder: &Path) -> BTreeMap<String, Vec<String>> {
     let mut imports = BTreeMap::new();
-    for entry in fs::read_dir(source()).expect("src") {
+    for entry in fs::read_dir(folder).expect("crate") {
         let path = entry.expect("entry").path();
         let name = path.file_stem().expect("name").to_string_lossy();
-        let module = path.is_dir() || path.extension().is_some_and(|e| e == "rs");
-        if !module || ["lib", "main", "build"].contains(&&*name) {
+        let folder = path.is_dir() && !path.join("Cargo.toml").exists();
+        let module = folder || path.extension().is_some_and(|e| e == "rs");
+        if !module || ["lib", "main", "build", "tests"].contains(&&*name) {
             continue;
         }
         let modules: &mut Vec<String> = imports.entry(name.into_owned()).or_default();
@@ -118,13 +141,54 @@ fn imports() -> BTreeMap<String, Vec<String>> {
     imports
 }
 
+/// Every module of every crate and what it imports.
+fn imports() -> BTreeMap<String, Vec<String>> {
+    let crates = crates().into_iter();
+    crates.flat_map(|(_, folder)| imports_in(&folder)).collect()
+}
+
 #[test]
 fn every_module_stands_on_a_floor_and_every_floor_holds_modules_that_exist() {
-    let (floors, imports) = (floors(), imports());
-    assert_eq!(
-        floors.keys().collect::<Vec<_>>(),
-        imports.keys().collect::<Vec<_>>()
-    );
+    let listed: BTreeMap<_, _> = listed()
+        .into_iter()
+        .map(|(module, (_, krate))| (module, krate))
+        .collect();
+    let found: BTreeMap<_, _> = crates()
+        .into_iter()
+        .flat_map(|(krate, folder)| {
+            let modules = imports_in(&folder).into_keys();
+            modules.map(move |module| (module, krate.clone()))
+        })
+        .collect();
+    assert_eq!(listed, found);
+}
+
+/// What the compiler keeps only if no part names another than the one below.
+#[test]
+fn each_crate_names_the_one_below_alone() {
+    let list = fs::read_to_string(source().join("ARCHITECTURE.md")).expect("architecture");
+    let list = list.split("```floors\n").nth(1).expect("list of floors");
+    let mut order: Vec<&str> = list
+        .lines()
+        .map_while(|line| Some(line.split_once(": ")?.0))
+        .collect();
+    order.dedup();
+    let mut folders: BTreeMap<_, _> = crates().into_iter().collect();
+    for (i, name) in order.iter().enumerate() {
+        let folder = folders.remove(*name).expect("a crate of the list");
+        let manifest = match *name {
+            "occlab" => folder.join("../Cargo.toml"),
+            _ => folder.join("Cargo.toml"),
+        };
+        let text = fs::read_to_string(manifest).expect("manifest");
+        let named = text.lines().filter_map(|line| {
+            line.strip_prefix("occlab-")?
+                .strip_suffix(".workspace = true")
+        });
+        let below: Vec<_> = order[..i].last().into_iter().copied().collect();
+        assert_eq!(named.collect::<Vec<_>>(), below, "crate {name}");
+    }
+    assert_eq!(folders.keys().collect::<Vec<_>>(), [""; 0]);
 }
 
 #[test]

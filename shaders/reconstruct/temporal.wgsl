@@ -4,7 +4,7 @@
 //
 //   p' = (H·(i + ½, j + ½, 1) + e·q) / w     where the point at depth 1/q behind pixel (i, j) was, w its third component
 //
-// H turns, e moves the camera (src/reconstruct/reprojection/device.rs). q is the inverse depth of the block's marched
+// H turns, e moves the camera (src/render/reconstruct/reprojection/device.rs). q is the inverse depth of the block's marched
 // pixel: the reciprocal of the mean depth along the optical axis, weighted as the march weights light; 0 = infinitely far.
 // p' is rounded to 1/256 pixel, the 8 bits that Direct3D asks of texture units, so that a camera at rest repeats pixels bit
 // for bit; four neighbours are interpolated. History does not serve

@@ -1,0 +1,11 @@
+//! What is looked at and what is asked of it: density fields, scenes and experiments, read from JSON.
+//!
+//! Part of `occlab`, whose documentation starts with the architecture.
+
+pub mod config;
+pub mod container;
+pub mod density;
+pub mod scene;
+
+#[doc(no_inline)]
+pub use occlab_base::*;

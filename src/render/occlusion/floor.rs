@@ -1,0 +1,89 @@
+//! The floor: an uncompressed column, which shows what the march alone costs.
+
+use super::info::{Marker, MethodInfo, Role, Trials, trial};
+use super::rounding::Rounding;
+use super::twin::{Column, Encoding, LookUp, Twin};
+use super::{LightOcclusion, MAP_PARAMS, Plan};
+use crate::error::Result;
+use crate::param::Params;
+
+/// The uncompressed column.
+pub struct Floor;
+
+const TRIALS: Trials = Trials {
+    pictures: &[
+        trial("", "sampling=end"),
+        trial("storage=f32", "sampling=end storage=f32"),
+        trial("lookup=hardware", "lookup=nearest"),
+        trial("sampling=end", ""),
+    ],
+    clouds: &[trial("", "sampling=end")],
+    texels: &[trial("", "sampling=end")],
+    exact: &[""],
+};
+
+impl LightOcclusion for Floor {
+    fn info(&self) -> &'static MethodInfo {
+        &MethodInfo {
+            id: "floor",
+            title: "Uncompressed column",
+            summary: "the uncompressed column: the error no map of these steps and texels can go below",
+            texel: "n",
+            expect: "Only what steps and texels cost: shadows blurred to a texel, cloud between two steps missed. A value for every step is the memory that the other maps avoid.",
+            citation: "Lokovic & Veach 2000, Deep Shadow Maps, sect. 3 (before compression)",
+            role: Role::Floor,
+            colour: 0xdba11c,
+            marker: Marker::Plus,
+            shader: "occlusion/floor.wgsl",
+            source: include_str!("../../../shaders/occlusion/floor.wgsl"),
+            params: &[MAP_PARAMS],
+            monotone: true,
+            bounded: false,
+            tolerance: 2e-5,
+            trials: TRIALS,
+        }
+    }
+
+    fn oracle(&self, _params: &Params) -> Result<Twin> {
+        Ok(Twin::Map(Box::new(Cumulative)))
+    }
+
+    fn value_names(&self, params: &Params) -> Result<Vec<String>> {
+        let steps = 1..=params.int("steps")?;
+        Ok(steps.map(|k| format!("τ after step {k}")).collect())
+    }
+
+    fn plan(&self, params: &Params) -> Result<Plan> {
+        Ok(Plan::array(params.int("steps")?))
+    }
+}
+
+/// Stored depths stay below this: f16 ends at 65504, and between two infinite values NaN is interpolated.
+const LARGEST_TAU: f64 = 6e4;
+
+/// Optical depth at the far edge of every step, linear in between.
+struct Cumulative;
+
+impl Encoding for Cumulative {
+    fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64> {
+        let edges = column.thicknesses().scan(0.0, |tau, thickness| {
+            *tau = rounding.computed(*tau + thickness);
+            Some(tau.min(LARGEST_TAU))
+        });
+        edges.collect()
+    }
+
+    fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64 {
+        let last = values.len() as f64;
+        // A column without length has no depth beyond its first edge but 0/0.
+        let steps = if look_up.length > 0.0 {
+            (look_up.depth / look_up.length * last).clamp(0.0, last)
+        } else {
+            last
+        };
+        let k = (steps as usize).min(values.len() - 1);
+        let near = if k == 0 { 0.0 } else { values[k - 1] };
+        let tau = near + (values[k] - near) * (steps - k as f64);
+        rounding.computed((-rounding.computed(tau)).exp())
+    }
+}

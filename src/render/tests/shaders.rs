@@ -1,0 +1,459 @@
+//! Every combination that the renderer can ask for composes and validates; no adapter is needed.
+
+extern crate occlab_render as occlab;
+
+#[path = "../../../tests/common/mod.rs"]
+mod common;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use occlab::density::Density;
+use occlab::gpu::{
+    Leaf, Program, Scalar, Sources, UniformValue, compose, compose_point, pack, struct_leaves,
+};
+use occlab::occlusion::{MethodSetup, REGISTRY};
+use occlab::param::ParamKind;
+use occlab::raymarch::map_defs;
+use occlab::shader_defs::Defs;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// Container, density and definitions of a view, as `View` and `DeviceField` choose them.
+#[derive(Clone)]
+struct Surroundings {
+    container: &'static str,
+    density: String,
+    defs: Defs,
+}
+
+const ENTRIES: [&str; 2] = ["generate.wgsl", "raymarch.wgsl"];
+
+fn flags(names: &[&str]) -> Defs {
+    names
+        .iter()
+        .map(|name| ((*name).to_owned(), None))
+        .collect()
+}
+
+/// Containers × kinds of density × their structures.
+fn fields() -> Vec<Surroundings> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut all: Vec<Surroundings> = Vec::new();
+    for (shader, container) in common::containers() {
+        for kind in Density::KINDS {
+            for example in (kind.examples)(&container, folder.path()).unwrap() {
+                let field = example.field();
+                all.push(Surroundings {
+                    container: shader,
+                    density: field.shader().into_owned(),
+                    defs: field.defs(),
+                });
+            }
+        }
+    }
+    // Examples of one structure compose to one shader.
+    let mut seen = HashSet::new();
+    all.retain(|around| {
+        seen.insert((
+            around.container,
+            around.density.clone(),
+            around.defs.clone(),
+        ))
+    });
+    all
+}
+
+/// Definitions of a method as the renderer makes them; `wide` where the device stores no optional format.
+fn method_defs(setup: &MethodSetup, wide: bool) -> Defs {
+    let plan = setup.method.plan(&setup.params).unwrap();
+    let mut defs = setup.defs(&plan);
+    defs.extend(map_defs(setup, &plan, !wide).unwrap());
+    defs
+}
+
+fn composed(entry: &str, setup: &MethodSetup, around: &Surroundings, extra: Defs) -> naga::Module {
+    composed_point(entry, None, setup, around, extra)
+}
+
+fn composed_point(
+    entry: &str,
+    point: Option<&str>,
+    setup: &MethodSetup,
+    around: &Surroundings,
+    extra: Defs,
+) -> naga::Module {
+    let mut defs = around.defs.clone();
+    defs.extend(extra);
+    let shader = setup.method.info().shader;
+    let roles = vec![
+        ("container", around.container),
+        ("density", &*around.density),
+        ("sky", "sky/preetham.wgsl"),
+        ("occlusion", shader),
+    ];
+    let program = Program {
+        entry,
+        roles,
+        defs: defs.clone(),
+    };
+    let module = compose_point(&Sources::embedded(), &program, point);
+    let module = module.unwrap_or_else(|e| {
+        panic!(
+            "{entry} of {shader} in {}, {} with {defs:?}:\n{e}",
+            around.container, around.density
+        )
+    });
+    let valid = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module);
+    valid.unwrap_or_else(|e| panic!("{entry} of {shader} with {defs:?}: {e:?}"));
+    assert_eq!(module.entry_points.len(), 1);
+    module
+}
+
+/// Composes the passes that the method has.
+fn compose_all(setup: &MethodSetup, around: &Surroundings, extra: &Defs, wide: bool) {
+    let mut defs = method_defs(setup, wide);
+    defs.extend(extra.clone());
+    for entry in ENTRIES {
+        if entry == "raymarch.wgsl" || defs.contains_key("HAS_MAP") {
+            composed(entry, setup, around, defs.clone());
+        }
+    }
+    let plan = setup.method.plan(&setup.params).unwrap();
+    let own = plan
+        .map
+        .iter()
+        .flat_map(|map| map.before.iter().chain(&map.after));
+    for pass in own {
+        let shader = setup.method.info().shader;
+        composed_point(shader, Some(pass.entry), setup, around, defs.clone());
+    }
+}
+
+/// The method at its defaults, and with every option of every choice, one at a time.
+fn variants(setup: &MethodSetup) -> Vec<(&'static str, &'static str, MethodSetup)> {
+    let specs = setup.method.info().specs();
+    let choices = specs.filter_map(|s| match s.kind {
+        ParamKind::Choice { options, .. } => Some((s.name, options)),
+        _ => None,
+    });
+    choices
+        .flat_map(|(name, options)| {
+            options
+                .iter()
+                .map(move |o| (name, *o, setup.clone().with(name, o).unwrap()))
+        })
+        .collect()
+}
+
+fn methods() -> impl Iterator<Item = MethodSetup> {
+    REGISTRY
+        .iter()
+        .map(|m| MethodSetup::defaults(m.info().id).unwrap())
+}
+
+#[test]
+fn every_method_composes_in_every_surrounding() {
+    for setup in methods() {
+        for around in fields() {
+            compose_all(
+                &setup,
+                &around,
+                &flags(&["SKY", "AMBIENT", "COUNT", "INTEGRATION_THESIS"]),
+                true,
+            );
+        }
+        compose_all(&setup, &fields().pop().unwrap(), &Defs::new(), false);
+        for extra in [
+            &["SKY"][..],
+            &["AMBIENT"],
+            &["COUNT"],
+            &["SKY", "AMBIENT"],
+            &["INTEGRATION_THESIS"],
+            &["SUBSET"],
+            &["SUBSET", "INVERSE_DEPTH", "COUNT", "SKY", "AMBIENT"],
+        ] {
+            compose_all(&setup, &fields()[0], &flags(extra), false);
+        }
+    }
+}
+
+#[test]
+fn every_pass_of_a_reconstruction_composes() {
+    for reconstruction in occlab::reconstruct::REGISTRY {
+        for entry in reconstruction.info().shaders {
+            let program = Program {
+                entry,
+                roles: Vec::new(),
+                defs: Defs::new(),
+            };
+            compose(&Sources::embedded(), &program).unwrap();
+        }
+    }
+}
+
+#[test]
+fn every_option_composes() {
+    // The test below composes the same options in a shell of uniform density.
+    let around = fields().pop().unwrap();
+    for setup in methods() {
+        for (_, _, variant) in variants(&setup) {
+            compose_all(&variant, &around, &flags(&["COUNT"]), true);
+        }
+    }
+}
+
+/// The method with a whole number at either end, a step from it, and between, where the plan makes a definition of it.
+fn structures(setup: &MethodSetup) -> Vec<MethodSetup> {
+    let defs = |setup: &MethodSetup| setup.method.plan(&setup.params).unwrap().defs;
+    let mut all = Vec::new();
+    for spec in setup.method.info().specs() {
+        let ParamKind::Int { min, max, .. } = spec.kind else {
+            continue;
+        };
+        let numbers = [min, min + 1, (min + max) / 2, max];
+        let set = numbers.map(|n| setup.clone().with(spec.name, &n.to_string()).unwrap());
+        if set.iter().any(|other| defs(other) != defs(setup)) {
+            all.extend(set);
+        }
+    }
+    all
+}
+
+#[test]
+fn every_structure_composes() {
+    let around = fields().pop().unwrap();
+    let mut composed = 0;
+    for setup in methods() {
+        for structure in structures(&setup) {
+            for (_, _, variant) in variants(&structure) {
+                compose_all(&variant, &around, &Defs::new(), false);
+                composed += 1;
+            }
+        }
+    }
+    assert!(composed > 8, "only {composed} were composed");
+}
+
+/// Both passes as WGSL text.
+fn text(setup: &MethodSetup, extra: &Defs) -> String {
+    let around = &fields()[0];
+    let mut defs = method_defs(setup, false);
+    defs.extend(extra.clone());
+    let entries = ENTRIES
+        .iter()
+        .filter(|e| **e == "raymarch.wgsl" || defs.contains_key("HAS_MAP"));
+    entries
+        .map(|entry| {
+            let module = composed(entry, setup, around, defs.clone());
+            let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+                .validate(&module)
+                .unwrap();
+            naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty())
+                .unwrap()
+        })
+        .collect()
+}
+
+#[test]
+fn every_option_is_read() {
+    for setup in methods() {
+        let id = setup.method.info().id;
+        assert_eq!(
+            text(&setup, &Defs::new()),
+            text(&setup, &flags(&["NOBODY_READS_THIS"])),
+            "{id}: the comparison itself is at fault"
+        );
+        let texts: Vec<_> = variants(&setup)
+            .into_iter()
+            .map(|(name, option, v)| (name, option, text(&v, &Defs::new())))
+            .collect();
+        for (i, a) in texts.iter().enumerate() {
+            for b in texts[..i].iter().filter(|b| b.0 == a.0) {
+                assert_ne!(
+                    a.2, b.2,
+                    "{id}: {} = {} and {} are the same shader",
+                    a.0, a.1, b.1
+                );
+            }
+        }
+    }
+}
+
+fn shader_files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path());
+    entries
+        .flat_map(|p| {
+            if p.is_dir() {
+                shader_files(&p)
+            } else {
+                vec![p]
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn files_are_compiled_in_and_begin_with_their_purpose() {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shaders"));
+    let files = shader_files(&root);
+    assert!(files.len() > 20, "{} files", files.len());
+    for file in files {
+        let name = file
+            .strip_prefix(&root)
+            .unwrap()
+            .to_str()
+            .unwrap()
+            .replace('\\', "/");
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert_eq!(Sources::embedded().text(&name).unwrap(), text, "{name}");
+        let first = text.lines().next().unwrap();
+        assert!(
+            first.starts_with("// ") && first.len() > 10,
+            "{name}: begins with {first}"
+        );
+        assert!(
+            text.lines()
+                .take_while(|l| l.starts_with("//"))
+                .any(|l| l.contains("Cost"))
+                || !name.starts_with("occlusion"),
+            "{name}"
+        );
+    }
+}
+
+fn uniform_leaves(module: &naga::Module, name: &str) -> (Vec<Leaf>, u32) {
+    let plain = |v: &naga::GlobalVariable| {
+        v.name.as_deref().unwrap_or("").split("X_naga_oil").next() == Some(name)
+    };
+    let (_, variable) = module
+        .global_variables
+        .iter()
+        .find(|(_, v)| plain(v))
+        .unwrap();
+    (
+        struct_leaves(module, variable.ty),
+        module.types[variable.ty].inner.size(module.to_ctx()),
+    )
+}
+
+fn two_decks() -> naga::Module {
+    let around = Surroundings {
+        container: "container/shell.wgsl",
+        density: "density/procedural.wgsl".to_owned(),
+        defs: Defs::from([
+            ("DECKS".into(), Some(2)),
+            ("DETAIL".into(), None),
+            ("PRECIPITATION".into(), None),
+        ]),
+    };
+    composed(
+        "raymarch.wgsl",
+        &common::setup("truth", ""),
+        &around,
+        method_defs(&common::setup("truth", ""), false),
+    )
+}
+
+/// Offsets by the layout rules of the WGSL specification (§ 14.4), worked out by hand.
+#[test]
+fn reflected_offsets_follow_the_specification() {
+    let module = two_decks();
+    let offsets = |name: &str| -> Vec<(String, u32)> {
+        uniform_leaves(&module, name)
+            .0
+            .into_iter()
+            .map(|l| (l.path, l.offset))
+            .collect()
+    };
+    let listed = |pairs: &[(&str, u32)]| -> Vec<(String, u32)> {
+        pairs.iter().map(|(n, o)| ((*n).to_owned(), *o)).collect()
+    };
+    let frame = [
+        ("camera_position_m", 0),
+        ("far_m", 12),
+        ("camera_right", 16),
+        ("steps", 28),
+        ("camera_up", 32),
+        ("step_m", 44),
+        ("camera_forward", 48),
+        ("jitter", 60),
+        ("sun_direction", 64),
+        ("skip", 76),
+        ("sun_irradiance", 80),
+        ("extinction_per_m", 92),
+        ("phase", 96),
+        ("image_size", 112),
+        ("albedo", 120),
+    ];
+    assert_eq!(offsets("frame"), listed(&frame));
+    assert_eq!(uniform_leaves(&module, "frame").1, 128);
+    let field = [
+        ("weather_frequency_per_m", 0),
+        ("shape_frequency_per_m", 4),
+        ("detail_frequency_per_m", 8),
+        ("detail_strength", 12),
+        ("precipitation_gain", 16),
+        ("decks[0].profile", 32),
+        ("decks[0].cover", 48),
+        ("decks[1].profile", 64),
+        ("decks[1].cover", 80),
+    ];
+    assert_eq!(offsets("field"), listed(&field));
+    assert_eq!(uniform_leaves(&module, "field").1, 96);
+}
+
+#[test]
+fn packing_puts_every_value_at_its_offset_and_refuses_mistakes() {
+    let (leaves, size) = uniform_leaves(&two_decks(), "frame");
+    let value = |i: usize, leaf: &Leaf| {
+        let v = i as f32 + 1.0;
+        match (leaf.kind, leaf.components) {
+            (Scalar::Float, 1) => UniformValue::F32(v),
+            (Scalar::Float, 3) => UniformValue::Vec3([v, v + 0.25, v + 0.5]),
+            (Scalar::Float, 4) => UniformValue::Vec4([v, v + 0.25, v + 0.5, v + 0.75]),
+            (Scalar::Uint, 1) => UniformValue::U32(1000 + i as u32),
+            (Scalar::Uint, 2) => UniformValue::UVec2([1000 + i as u32, 2000]),
+            other => panic!("{other:?}"),
+        }
+    };
+    let values: Vec<_> = leaves
+        .iter()
+        .enumerate()
+        .map(|(i, l)| (l.path.clone(), value(i, l)))
+        .collect();
+    let bytes = pack("frame", &leaves, size, &values).unwrap();
+    assert_eq!(bytes.len(), 128);
+    let word = |offset: usize| u32::from_le_bytes(bytes[offset..offset + 4].try_into().unwrap());
+    assert_eq!(f32::from_bits(word(0)), 1.0);
+    assert_eq!(
+        f32::from_bits(word(12)),
+        2.0,
+        "far_m shares the last word of the position"
+    );
+    assert_eq!(word(28), 1003);
+    assert_eq!(f32::from_bits(word(108)), 13.75, "w of the phase");
+    assert_eq!((word(112), word(116)), (1013, 2000));
+    assert_eq!(word(124), 0, "padding");
+
+    let without = &values[1..];
+    assert!(
+        pack("frame", &leaves, size, without)
+            .unwrap_err()
+            .to_string()
+            .contains("camera_position_m")
+    );
+    let mut wrong = values.clone();
+    wrong[1].1 = UniformValue::U32(1);
+    assert!(
+        pack("frame", &leaves, size, &wrong)
+            .unwrap_err()
+            .to_string()
+            .contains("far_m")
+    );
+    wrong[1].1 = UniformValue::Vec2([1.0; 2]);
+    assert!(
+        pack("frame", &leaves, size, &wrong).is_err(),
+        "two components where one is declared"
+    );
+}
