@@ -1,6 +1,6 @@
 use super::*;
 use crate::param::{Applies, ParamKind, ParamSpec};
-use crate::scene::{Pattern, ReconstructionInfo, RestInfo};
+use crate::scene::{HistoryInfo, Pattern, ReconstructionInfo, RestInfo};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -83,6 +83,10 @@ static TEMPORAL: ReconstructionInfo = ReconstructionInfo {
         shear: 0,
     },
     smallest: [2, 2],
+    history: Some(HistoryInfo {
+        what: "one picture",
+        pixel_bytes: 4,
+    }),
     ..FULL
 };
 
