@@ -1,4 +1,4 @@
-//! What is known of a way to reconstruct pictures without carrying it out; the registry is [`crate::reconstruct`].
+//! What is known of a way to reconstruct pictures without carrying it out; the registry is `reconstruct`.
 
 use super::{ImageSize, Pattern};
 use crate::error::{Error, Result};

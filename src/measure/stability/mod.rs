@@ -6,7 +6,7 @@
 //! ```
 //!
 //! WGSL may assume that no value is NaN or infinite, and min and clamp are free to return anything for them: what a
-//! device shows is recorded, not asserted. [`run`] writes one record a case; [`crate::report::write_stability`] makes
+//! device shows is recorded, not asserted. [`run`] writes one record a case; `report::write_stability` makes
 //! the page.
 
 mod cases;
