@@ -5,7 +5,7 @@ mod common;
 
 use common::{box_scene, has_map, on_gpu, setup, size};
 use occlab::config::{Stability, load_stability, parse_stability};
-use occlab::occlusion::{REGISTRY, Registry};
+use occlab::occlusion::{Methods, REGISTRY};
 use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
 use occlab::scene::Density;
@@ -17,7 +17,7 @@ use std::path::Path;
 const CONFIG: &str = "configs/stability.json";
 
 fn shipped(folder: &Path) -> Stability {
-    load_stability(Path::new(CONFIG), folder, &Registry).unwrap()
+    load_stability(Path::new(CONFIG), folder, &Methods).unwrap()
 }
 
 /// Runs on the oracle; also says how many cases were found, and how many were measured.
@@ -172,7 +172,7 @@ fn faults_of_the_file_are_located() {
         let mut value: Value = serde_json::from_str(&text).unwrap();
         edit(&mut value);
         let text = serde_json::to_string_pretty(&value).unwrap();
-        let parsed = parse_stability(Path::new("s.json"), text, Path::new("."), &Registry);
+        let parsed = parse_stability(Path::new("s.json"), text, Path::new("."), &Methods);
         let message = parsed.unwrap_err().to_string();
         assert!(message.starts_with("s.json:"), "{message}");
         for word in words {

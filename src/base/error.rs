@@ -17,7 +17,7 @@ pub const REPORT: &str = concat!(
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The user's input (configuration, scene, volume, command line) cannot be used.
-    #[error("{}: {}. {}", Line(place), Line(problem), Line(remedy))]
+    #[error("{}: {}. {}", Escaped(place), Escaped(problem), Escaped(remedy))]
     Input {
         /// File with line and column, or the command-line option.
         place: String,
@@ -27,7 +27,7 @@ pub enum Error {
         remedy: String,
     },
     /// Reading or writing a file failed.
-    #[error("{}: cannot {action}: {source}. {remedy}", Line(path.display()))]
+    #[error("{}: cannot {action}: {source}. {remedy}", Escaped(path.display()))]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -39,7 +39,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// No adapter, a limit of the adapter, a lost device, memory.
-    #[error("adapter: {}. {}", Line(problem), Line(remedy))]
+    #[error("adapter: {}. {}", Escaped(problem), Escaped(remedy))]
     Gpu {
         /// What the driver or the limit said.
         problem: String,
@@ -56,7 +56,7 @@ pub enum Error {
         message: String,
     },
     /// An image cannot be decoded or encoded.
-    #[error("{}: {}", Line(path.display()), Line(message))]
+    #[error("{}: {}", Escaped(path.display()), Escaped(message))]
     Image {
         /// The image file.
         path: PathBuf,
@@ -64,7 +64,7 @@ pub enum Error {
         message: String,
     },
     /// The program contradicts itself: nothing that a user, a file or a driver can cause.
-    #[error("{}: {}. {REPORT}", Line(place), Line(problem))]
+    #[error("{}: {}. {REPORT}", Escaped(place), Escaped(problem))]
     Defect {
         /// The part of the program.
         place: String,
@@ -78,9 +78,9 @@ pub enum Error {
 
 /// Text from outside as part of a paragraph: control characters are written as escapes, so that no name breaks the line
 /// or speaks to the terminal, and the middle of what is very long is left out.
-struct Line<T>(T);
+struct Escaped<T>(T);
 
-impl<T: Display> Display for Line<T> {
+impl<T: Display> Display for Escaped<T> {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         let text = self.0.to_string();
         let count = text.chars().count();

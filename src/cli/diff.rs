@@ -2,7 +2,7 @@
 
 use super::{print_path, say};
 use occlab::Error;
-use occlab::frame::{Picture, false_colour, read_picture, write_png};
+use occlab::frame::{PictureFile, false_colour, read_picture, write_png};
 use occlab::metrics::{compare, delta_luminance, mean_sun};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -58,7 +58,7 @@ impl Diff {
 }
 
 /// What was decided on reading the two pictures, and where their corners came to lie on each other.
-fn notes(reference: &Picture, test: &Picture) -> Vec<String> {
+fn notes(reference: &PictureFile, test: &PictureFile) -> Vec<String> {
     let mut notes = reference.notes.clone();
     notes.extend(
         test.notes

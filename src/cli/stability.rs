@@ -5,7 +5,7 @@ use super::{DeviceArgs, print_path};
 use occlab::config::load_stability;
 use occlab::config::shipped::{FileKind, find};
 use occlab::gpu::Gpu;
-use occlab::occlusion::Registry;
+use occlab::occlusion::Methods;
 use occlab::raymarch::Renderer;
 use occlab::stability::{FormVerdict, Profile, SearchResult, Sweep, SweepEvent, run};
 use std::ops::ControlFlow;
@@ -38,7 +38,7 @@ impl StabilityArgs {
         let stability = load_stability(
             &find(FileKind::Stability, &self.config)?,
             &self.out,
-            &Registry,
+            &Methods,
         )?;
         let quiet = self.device.quiet;
         let wanted = self.device.adapter.as_deref();

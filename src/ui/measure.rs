@@ -26,7 +26,7 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
 }
 
 /// A table with a column for each side; `None` = not measured yet.
-fn table(app: &App, ui: &mut egui::Ui, name: &str, sides: &[usize], rows: &[Row]) {
+fn table(app: &App, ui: &mut egui::Ui, name: &str, sides: &[usize], rows: &[MetricRow]) {
     egui::Grid::new(name).striped(true).show(ui, |ui| {
         ui.label("");
         for side in sides {
@@ -172,10 +172,10 @@ fn errors(app: &mut App, ui: &mut egui::Ui, sides: &[usize]) {
 }
 
 /// A row of a table: name, definition and a value for each side.
-type Row = (&'static str, &'static str, Vec<Option<String>>);
+type MetricRow = (&'static str, &'static str, Vec<Option<String>>);
 
 /// The error numbers that one picture tells, by their names and values in a record.
-fn error_rows(compared: &[Option<Comparison>]) -> Vec<Row> {
+fn error_rows(compared: &[Option<Comparison>]) -> Vec<MetricRow> {
     let values = |of: &dyn Fn(&Comparison) -> String| {
         let value = |c: &Option<Comparison>| c.as_ref().map(of);
         compared.iter().map(value).collect()

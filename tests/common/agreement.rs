@@ -3,7 +3,7 @@
 use super::{box_scene, cube_density, hashed, relative_rmse, with_map, write_cube};
 use occlab::frame::Frame;
 use occlab::occlusion::MethodSetup;
-use occlab::occlusion::rounding::{Format, Rounding};
+use occlab::occlusion::rounding::{FloatFormat, Rounding};
 use occlab::oracle::{Options, Oracle};
 use occlab::scene::{ImageSize, Scene};
 
@@ -20,14 +20,14 @@ pub fn small(id: &str, params: &str) -> MethodSetup {
 /// What a device may make of stored values.
 pub fn roundings(setup: &MethodSetup) -> Vec<Rounding> {
     let nearest = Rounding {
-        storage: setup.stored_format().unwrap().unwrap_or(Format::F32),
+        storage: setup.stored_format().unwrap().unwrap_or(FloatFormat::F32),
         ..Rounding::device("f32", false)
     };
     let cut = Rounding {
         truncate_f16: true,
         ..nearest
     };
-    if nearest.storage == Format::F16 {
+    if nearest.storage == FloatFormat::F16 {
         vec![nearest, cut]
     } else {
         vec![nearest]

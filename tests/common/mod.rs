@@ -12,7 +12,7 @@ use occlab::frame::Frame;
 use occlab::gpu::Gpu;
 use occlab::occlusion::{MethodInfo, MethodSetup};
 use occlab::progress::unwatched;
-use occlab::raymarch::{Frames, Renderer, View};
+use occlab::raymarch::{DeviceView, Frames, Renderer};
 use occlab::scene::ImageSize;
 use occlab::scene::{
     Camera, Container, Deck, Density, Detail, Lobe, March, Medium, Procedural, Scene, Sun, Uniform,
@@ -148,7 +148,7 @@ pub fn render(scene: &Scene, image: ImageSize, setup: &MethodSetup) -> Frame {
 }
 
 /// One picture of a view that exists already.
-pub fn render_view(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Frame {
+pub fn render_view(renderer: &Renderer, view: &DeviceView, setup: &MethodSetup) -> Frame {
     renderer
         .prepare_full(view, setup)
         .unwrap()
@@ -158,7 +158,7 @@ pub fn render_view(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Fra
 }
 
 /// The density samples of one picture.
-pub fn count_view(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Counts {
+pub fn count_view(renderer: &Renderer, view: &DeviceView, setup: &MethodSetup) -> Counts {
     let prepared = renderer
         .prepare(view, setup, &Frames::full(), Counting::On)
         .unwrap();

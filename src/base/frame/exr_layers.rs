@@ -16,7 +16,7 @@ const MAX_NAMES: usize = 20;
 
 /// What the channels of a layer are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum LayerKind {
     /// `R`, `G` and `B`.
     Colour,
     /// `Y` alone: brightness.
@@ -42,21 +42,21 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> LayerKind {
         let has = |name: &str| self.channels.contains_key(name);
         if ["R", "G", "B"].into_iter().all(has) {
-            Kind::Colour
+            LayerKind::Colour
         } else if has("Y") && !["X", "RY", "BY"].into_iter().any(has) {
-            Kind::Grey
+            LayerKind::Grey
         } else {
-            Kind::Other
+            LayerKind::Other
         }
     }
 
     /// Channels of red, green and blue; of a grey picture all three are its brightness.
     pub fn colour(&self) -> [Option<usize>; 3] {
         let names = match self.kind() {
-            Kind::Grey => ["Y"; 3],
+            LayerKind::Grey => ["Y"; 3],
             _ => ["R", "G", "B"],
         };
         names.map(|name| self.channels.get(name).copied())
@@ -93,7 +93,7 @@ impl Layer {
     }
 
     fn is_picture(&self) -> bool {
-        self.kind() != Kind::Other
+        self.kind() != LayerKind::Other
     }
 }
 
@@ -197,7 +197,7 @@ fn by_default(
         .copied()
         .filter(|i| layers[*i].is_picture())
         .collect();
-    let plain = |kind: Kind| {
+    let plain = |kind: LayerKind| {
         let fits = |i: &usize| layers[*i].prefix.is_empty() && layers[*i].kind() == kind;
         pictures.iter().copied().find(fits)
     };
@@ -207,8 +207,8 @@ fn by_default(
         _ => None,
     };
     let index = only
-        .or_else(|| plain(Kind::Colour))
-        .or_else(|| plain(Kind::Grey))
+        .or_else(|| plain(LayerKind::Colour))
+        .or_else(|| plain(LayerKind::Grey))
         .ok_or_else(|| none_named(path, layers, &pictures))?;
     if own.len() < 2 {
         return Ok((index, None));

@@ -1,7 +1,7 @@
 //! Pictures read from OpenEXR files.
 
 use super::exr_layers::{Layer, choose};
-use super::{Frame, Picture, check_backed, check_size, shown};
+use super::{Frame, PictureFile, check_backed, check_size, shown};
 use crate::error::{Error, Result};
 use crate::file_part::FilePart;
 use exr::block::UncompressedBlock;
@@ -26,7 +26,7 @@ const BYTES_A_BYTE: u64 = 1 << 16;
 ///
 /// A panic of the decoder is an error about the file: damaged pixels can overflow its arithmetic in a build with overflow
 /// checks. That is why it decodes on the calling thread; on a thread of its own a panic would end the process.
-pub(super) fn read_exr(path: &Path) -> Result<Picture> {
+pub(super) fn read_exr(path: &Path) -> Result<PictureFile> {
     let part = FilePart::of(path, "exr");
     std::panic::catch_unwind(|| read(&part)).unwrap_or_else(|_| {
         Err(Error::Image {
@@ -36,7 +36,7 @@ pub(super) fn read_exr(path: &Path) -> Result<Picture> {
     })
 }
 
-fn read(part: &FilePart) -> Result<Picture> {
+fn read(part: &FilePart) -> Result<PictureFile> {
     let path = &part.file;
     let mut file = BufReader::new(File::open(path).map_err(Error::reading(path))?);
     let file_bytes = file
@@ -59,7 +59,7 @@ fn read(part: &FilePart) -> Result<Picture> {
     let windows = Windows::new(header);
     let window_note = windows.note(path);
     let frame = decode(reader, &layer, &windows).map_err(unusable)?;
-    Ok(Picture {
+    Ok(PictureFile {
         frame,
         corner: [display.position.x(), display.position.y()],
         notes: layer_note.into_iter().chain(window_note).collect(),

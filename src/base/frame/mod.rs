@@ -9,7 +9,7 @@ mod png_file;
 mod tonemap;
 
 pub use exr_file::write_frame;
-pub use picture::{Picture, read_frame, read_picture};
+pub use picture::{PictureFile, read_frame, read_picture};
 pub use png_file::{FALSE_COLOUR_STOPS, false_colour, write_png};
 pub use tonemap::{Exposure, tone_map};
 

@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// A picture as read from a file, and what was decided on the way.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub struct PictureFile {
     /// The pixels.
     pub frame: Frame,
     /// Column and row at which the picture begins in the coordinates of its file; (0, 0) for a PNG.
@@ -29,12 +29,12 @@ pub struct Picture {
 ///
 /// A PNG is taken as sRGB whatever profile it carries, is made linear (IEC 61966-2-1:1999), and its colour is
 /// multiplied by its alpha, as in an EXR. Its sun-lit radiance is its radiance and V is 0.
-pub fn read_picture(path: &Path) -> Result<Picture> {
+pub fn read_picture(path: &Path) -> Result<PictureFile> {
     let file = FilePart::of(path, "exr").file;
     let extension = file.extension().and_then(|e| e.to_str());
     match extension.unwrap_or_default().to_ascii_lowercase().as_str() {
         "exr" => read_exr(path),
-        "png" => Ok(Picture {
+        "png" => Ok(PictureFile {
             frame: read_png(path)?,
             corner: [0, 0],
             notes: Vec::new(),

@@ -64,7 +64,7 @@ pub struct View {
 }
 
 enum ViewKind {
-    Device(Box<raymarch::View>),
+    Device(Box<raymarch::DeviceView>),
     Oracle(Rc<Oracle>),
 }
 

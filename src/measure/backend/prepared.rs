@@ -21,14 +21,14 @@ pub struct Prepared<'v> {
     pub memory: Memory,
     setup: MethodSetup,
     reconstruction: &'static dyn Reconstruction,
-    kind: Kind<'v>,
+    kind: Executor<'v>,
 }
 
-enum Kind<'v> {
+enum Executor<'v> {
     Device {
         renderer: &'v Renderer,
-        view: &'v raymarch::View,
-        prepared: Box<raymarch::Prepared>,
+        view: &'v raymarch::DeviceView,
+        prepared: Box<raymarch::PreparedPasses>,
     },
     Oracle {
         oracle: &'v Oracle,
@@ -57,7 +57,7 @@ impl<'v> Prepared<'v> {
             (Backend::Device(renderer), ViewKind::Device(view), SequenceKind::Device(sequence)) => {
                 let prepared = renderer.prepare(view, setup, sequence, Counting::Off)?;
                 let memory = prepared.memory;
-                let kind = Kind::Device {
+                let kind = Executor::Device {
                     renderer,
                     view,
                     prepared: Box::new(prepared),
@@ -67,7 +67,7 @@ impl<'v> Prepared<'v> {
             (Backend::Oracle(_), ViewKind::Oracle(oracle), SequenceKind::Oracle(sequence)) => {
                 // What cannot be prepared is refused here, not in the middle of a round.
                 oracle.prepare(setup, Options::stored(setup))?;
-                let kind = Kind::Oracle {
+                let kind = Executor::Oracle {
                     oracle,
                     sequence: sequence.clone(),
                     counts: Cell::new(None),
@@ -87,10 +87,10 @@ impl<'v> Prepared<'v> {
     /// Renders the next frame. On the oracle the map is marched anew, and only the wall time is known.
     pub fn run(&self, progress: Progress) -> Result<PassTimes> {
         match &self.kind {
-            Kind::Device {
+            Executor::Device {
                 renderer, prepared, ..
             } => prepared.run(&renderer.gpu, progress),
-            Kind::Oracle {
+            Executor::Oracle {
                 oracle,
                 sequence,
                 counts,
@@ -111,10 +111,10 @@ impl<'v> Prepared<'v> {
     /// under way, on the oracle before them. Run once before.
     pub fn repeat(&self, frames: u32, meanwhile: impl FnOnce()) -> Result<Vec<PassTimes>> {
         match &self.kind {
-            Kind::Device {
+            Executor::Device {
                 renderer, prepared, ..
             } => prepared.repeat(&renderer.gpu, frames, meanwhile),
-            Kind::Oracle { .. } => {
+            Executor::Oracle { .. } => {
                 meanwhile();
                 (0..frames).map(|_| self.run(&mut unwatched)).collect()
             }
@@ -125,10 +125,10 @@ impl<'v> Prepared<'v> {
     /// another runs there.
     pub fn picture(&self) -> Result<Frame> {
         match &self.kind {
-            Kind::Device {
+            Executor::Device {
                 renderer, prepared, ..
             } => prepared.picture(&renderer.gpu),
-            Kind::Oracle { sequence, .. } => {
+            Executor::Oracle { sequence, .. } => {
                 // Borrowed while a frame is under way, which has no picture yet.
                 let made = sequence.try_borrow().ok();
                 made.and_then(|s| s.picture()).ok_or_else(unrendered)
@@ -139,10 +139,10 @@ impl<'v> Prepared<'v> {
     /// The light map of the last run; `None` for a method without one, and on the oracle, which keeps none.
     pub fn map_texels(&self) -> Result<Option<MapTexels>> {
         match &self.kind {
-            Kind::Device {
+            Executor::Device {
                 renderer, prepared, ..
             } => prepared.map_texels(&renderer.gpu),
-            Kind::Oracle { .. } => Ok(None),
+            Executor::Oracle { .. } => Ok(None),
         }
     }
 
@@ -150,13 +150,13 @@ impl<'v> Prepared<'v> {
     /// frame; nothing on the oracle, which counts as it renders.
     pub fn counts(&self, progress: Progress) -> Result<(Counts, f64)> {
         match &self.kind {
-            Kind::Device { renderer, view, .. } => {
+            Executor::Device { renderer, view, .. } => {
                 let sequence = self.reconstruction.on_device(&renderer.gpu, view.image)?;
                 let counting = renderer.prepare(view, &self.setup, &sequence, Counting::On)?;
                 let times = counting.run(&renderer.gpu, progress)?;
                 Ok((counting.counts(&renderer.gpu)?, times.wall * 1e-3))
             }
-            Kind::Oracle { counts, .. } => Ok((counts.get().ok_or_else(unrendered)?, 0.0)),
+            Executor::Oracle { counts, .. } => Ok((counts.get().ok_or_else(unrendered)?, 0.0)),
         }
     }
 }

@@ -39,7 +39,7 @@ pub struct Lock {
 
 /// Who writes to a folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Holder {
+struct LockHolder {
     host: String,
     process: u32,
     since_utc: String,
@@ -71,7 +71,7 @@ impl Lock {
     /// Takes `folder`, which is made where there is none; an error that names the holder where another run has it.
     pub fn take(folder: &Path) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(Error::writing(folder))?;
-        take(folder, Holder::this_process())
+        take(folder, LockHolder::this_process())
     }
 }
 
@@ -84,9 +84,9 @@ impl Drop for Lock {
     }
 }
 
-fn take(folder: &Path, me: Holder) -> Result<Lock> {
+fn take(folder: &Path, me: LockHolder) -> Result<Lock> {
     let path = folder.join(LOCK);
-    let held = |me: Holder| Lock {
+    let held = |me: LockHolder| Lock {
         path: folder.join(LOCK),
         token: me.token,
     };
@@ -112,7 +112,7 @@ fn take(folder: &Path, me: Holder) -> Result<Lock> {
 }
 
 /// Replaces the lock of a dead process; `false` when another run was faster.
-fn take_over(folder: &Path, path: &Path, dead: &Holder, me: &Holder) -> Result<bool> {
+fn take_over(folder: &Path, path: &Path, dead: &LockHolder, me: &LockHolder) -> Result<bool> {
     let guard = folder.join(TAKEOVER);
     if !create(&guard, me)? {
         return Ok(false);
@@ -127,17 +127,17 @@ fn take_over(folder: &Path, path: &Path, dead: &Holder, me: &Holder) -> Result<b
     replaced
 }
 
-fn create(path: &Path, holder: &Holder) -> Result<bool> {
+fn create(path: &Path, holder: &LockHolder) -> Result<bool> {
     create_atomic(path, |file| write(path, file, holder))
 }
 
-fn write(path: &Path, file: &mut impl Write, holder: &Holder) -> Result<()> {
+fn write(path: &Path, file: &mut impl Write, holder: &LockHolder) -> Result<()> {
     let text = serde_json::to_vec_pretty(holder).map_err(|e| Error::writing(path)(e.into()))?;
     file.write_all(&text).map_err(Error::writing(path))
 }
 
 /// The holder that a lock names; `None` when there is no lock.
-fn read(path: &Path) -> Result<Option<Holder>> {
+fn read(path: &Path) -> Result<Option<LockHolder>> {
     let unreadable = |problem: String| {
         let problem =
             format!("it should name the run that uses this folder, but cannot be read: {problem}");
@@ -153,7 +153,7 @@ fn read(path: &Path) -> Result<Option<Holder>> {
     }
 }
 
-fn busy(folder: &Path, path: &Path, holder: &Holder, standing: Standing) -> Error {
+fn busy(folder: &Path, path: &Path, holder: &LockHolder, standing: Standing) -> Error {
     let (process, host, since) = (holder.process, &holder.host, &holder.since_utc);
     let who = format!(
         "another run has been using this folder since {since}: process {process} on host `{host}`"
@@ -169,7 +169,7 @@ fn busy(folder: &Path, path: &Path, holder: &Holder, standing: Standing) -> Erro
     Error::input(folder.display().to_string(), problem, remedy)
 }
 
-impl Holder {
+impl LockHolder {
     fn this_process() -> Self {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let now = SystemTime::now()

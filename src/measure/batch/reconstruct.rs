@@ -18,7 +18,7 @@ use crate::progress::unwatched;
 use crate::scene::{CameraTrack, ReconstructionInfo, Track};
 
 /// A cell on the move.
-struct Case {
+struct MovingCell {
     cell: Cell,
     /// Frames so far, or why the cell has no numbers.
     moving: Result<Moving, String>,
@@ -78,7 +78,7 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
             let mut cases = Vec::new();
             for (spec, cell) in open {
                 let moving = noted(moving(task, matrix, spec))?;
-                cases.push(Case { cell, moving });
+                cases.push(MovingCell { cell, moving });
             }
             passes_s += run_track(task, matrix, *track, &mut cases, observe)?;
             for case in cases {
@@ -140,7 +140,7 @@ fn run_track(
     task: &Task,
     matrix: &MatrixView,
     track: CameraTrack,
-    cases: &mut [Case],
+    cases: &mut [MovingCell],
     observe: Observer,
 ) -> Result<f64> {
     let mut passes_s = 0.0;
@@ -166,7 +166,7 @@ fn run_track(
 }
 
 /// One frame of one case, at `rest` all that fill its history; returns the seconds of its passes.
-fn run_case(task: &Task, view: &View, rest: bool, case: &mut Case) -> Result<f64> {
+fn run_case(task: &Task, view: &View, rest: bool, case: &mut MovingCell) -> Result<f64> {
     let Ok(moving) = &mut case.moving else {
         return Ok(0.0);
     };
@@ -203,7 +203,7 @@ fn run_frame(
 fn record(
     task: &Task,
     matrix: &MatrixView,
-    case: Case,
+    case: MovingCell,
     track: CameraTrack,
     observe: Observer,
 ) -> Result<()> {

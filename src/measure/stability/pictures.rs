@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Frame, is_nonfinite};
 use crate::occlusion::MethodSetup;
 use crate::progress::unwatched;
-use crate::raymarch::{Renderer, View};
+use crate::raymarch::{DeviceView, Renderer};
 
 /// Pixels with less opacity than this in the truth say nothing of V.
 const LEAST_OPACITY: f32 = 1e-6;
@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 1e-4;
 /// Renders a method in a view and looks at the stored bits; a device that does not deliver is a result, too.
 pub(super) fn measure(
     renderer: &Renderer,
-    view: &View,
+    view: &DeviceView,
     setup: &MethodSetup,
     truth: &Frame,
 ) -> Result<SweepPicture> {
@@ -41,7 +41,7 @@ pub(super) fn failed(error: &Error) -> SweepPicture {
 /// A picture, and how many values of the map are not finite.
 pub(super) fn render(
     renderer: &Renderer,
-    view: &View,
+    view: &DeviceView,
     setup: &MethodSetup,
 ) -> Result<(Frame, u64)> {
     let prepared = renderer.prepare_full(view, setup)?;

@@ -1,17 +1,17 @@
 //! The truth of a view on a device.
 
-use super::{Made, Truth, TruthCache, TruthCost, cached, truth_id};
+use super::{RenderedTruth, Truth, TruthCache, TruthCost, cached, truth_id};
 use crate::cost::Counting;
 use crate::environment::Environment;
 use crate::error::Result;
 use crate::occlusion::MethodSetup;
 use crate::progress::Progress;
-use crate::raymarch::{Frames, Renderer, View};
+use crate::raymarch::{DeviceView, Frames, Renderer};
 
 /// The truth of `view`, from `cache` when a whole entry is there.
 pub fn on_device(
     renderer: &Renderer,
-    view: &View,
+    view: &DeviceView,
     cache: Option<&TruthCache>,
     counting: Counting,
     progress: Progress,
@@ -23,10 +23,10 @@ pub fn on_device(
 
 fn render(
     renderer: &Renderer,
-    view: &View,
+    view: &DeviceView,
     counting: Counting,
     progress: Progress,
-) -> Result<Made> {
+) -> Result<RenderedTruth> {
     let setup = MethodSetup::truth(&view.scene)?;
     let times = renderer
         .prepare_full(view, &setup)?
@@ -47,14 +47,14 @@ fn render(
         wall_ms: times.wall,
         samples,
     };
-    Ok(Made {
+    Ok(RenderedTruth {
         frame,
         cost,
         passes_s: wall_ms * 1e-3,
     })
 }
 
-fn id(renderer: &Renderer, view: &View) -> String {
+fn id(renderer: &Renderer, view: &DeviceView) -> String {
     let environment = Environment::of_device(&renderer.gpu);
     truth_id(serde_json::json!({
         "scene": view.scene,

@@ -46,7 +46,7 @@ pub struct TruthCost {
 }
 
 /// A truth that was just rendered.
-pub struct Made {
+pub struct RenderedTruth {
     /// The picture.
     pub frame: Frame,
     /// What rendering took.
@@ -62,7 +62,7 @@ pub fn cached(
     image: ImageSize,
     cache: Option<&TruthCache>,
     counting: Counting,
-    render: impl FnOnce() -> Result<Made>,
+    render: impl FnOnce() -> Result<RenderedTruth>,
 ) -> Result<Truth> {
     let mut notes = Vec::new();
     if let Some(cache) = cache {

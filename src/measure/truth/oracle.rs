@@ -1,6 +1,6 @@
 //! The oracle's truth of a view, kept on disk beside those of devices under a name of its own.
 
-use super::{Made, Truth, TruthCache, TruthCost, cached, truth_id};
+use super::{RenderedTruth, Truth, TruthCache, TruthCost, cached, truth_id};
 use crate::cost::Counting;
 use crate::error::Result;
 use crate::oracle::{Options, Oracle};
@@ -20,7 +20,7 @@ pub fn by_oracle(oracle: &Oracle, cache: Option<&TruthCache>, progress: Progress
             wall_ms: start.elapsed().as_secs_f64() * 1e3,
             samples: Some(counts.samples),
         };
-        Ok(Made {
+        Ok(RenderedTruth {
             frame,
             cost,
             passes_s: cost.wall_ms * 1e-3,

@@ -2,7 +2,7 @@
 
 use super::fixture::report;
 use super::*;
-use crate::batch::numbers::{Shown, numbers as rows, study_names};
+use crate::batch::numbers::{PagePlace, numbers as rows, study_names};
 use crate::batch::record::{Cell, Ghosting, ReconstructionNumbers};
 use crate::reconstruct::find;
 use crate::scene::CameraTrack;
@@ -153,14 +153,14 @@ fn every_number_reaches_the_page_or_is_kept_from_it_on_purpose() {
             .map(|value| format::written(row.format, value));
         let value = format!(">{}</td>", value.expect("a full record"));
         match row.shown {
-            Shown::Cells => {
+            PagePlace::Cells => {
                 assert!(page.contains(&heading) && page.contains(&value), "{row:?}");
                 assert!(page.contains(&text(row.doc)), "{row:?} is not defined");
             }
-            Shown::Decomposition | Shown::Temporal => {
+            PagePlace::Decomposition | PagePlace::Temporal => {
                 assert!(page.contains(&heading) && page.contains(&value), "{row:?}");
             }
-            Shown::Clock | Shown::Nowhere => {}
+            PagePlace::Clock | PagePlace::Nowhere => {}
         }
     }
 }

@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::sync::LazyLock;
 
 /// A member of [`Measured`], at any depth.
-pub struct Field {
+pub struct RecordField {
     /// `error.rel_rmse`.
     pub name: String,
     /// The value may be `null` or absent.
@@ -16,8 +16,8 @@ pub struct Field {
 }
 
 /// Every member of [`Measured`], in the order of the record.
-pub fn measured() -> &'static [Field] {
-    static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(|| {
+pub fn measured() -> &'static [RecordField] {
+    static FIELDS: LazyLock<Vec<RecordField>> = LazyLock::new(|| {
         let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
         let schema = settings.into_generator().into_root_schema_for::<Measured>();
         let mut fields = Vec::new();
@@ -27,12 +27,12 @@ pub fn measured() -> &'static [Field] {
     &FIELDS
 }
 
-fn walk(schema: &Value, prefix: &str, fields: &mut Vec<Field>) {
+fn walk(schema: &Value, prefix: &str, fields: &mut Vec<RecordField>) {
     for (key, member) in schema["properties"].as_object().into_iter().flatten() {
         let name = format!("{prefix}{key}");
         let optional = allows(member, "null");
         let inner = something(member);
-        fields.push(Field {
+        fields.push(RecordField {
             name: name.clone(),
             optional,
             scalar: !allows(inner, "object") && !allows(inner, "array"),

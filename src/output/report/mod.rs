@@ -58,7 +58,7 @@ pub fn write(folder: &Path, report: &Report) -> Result<PathBuf> {
     files::write(&json, records::text(&report, &json)?.as_bytes())?;
     files::write(&folder.join("cells.csv"), csv::cells(&report)?.as_bytes())?;
     let shown = shown::shown(&report);
-    let view = view::View::new(&shown);
+    let view = view::ReportView::new(&shown);
     let charts = charts::all(&view)?;
     let sheets = contact::all(folder, &view)?;
     let figures = charts

@@ -328,7 +328,7 @@ fn hostile_methods_and_parameters_stay_text_everywhere() {
 fn the_sheet_shows_the_truth_and_the_middle_setting_of_each_method() {
     let dir = tempfile::tempdir().expect("folder");
     let (report, _) = written(dir.path());
-    let view = view::View::new(&report);
+    let view = view::ReportView::new(&report);
     let srm = contact::typical(&view.cases[0], "srm").expect("cell");
     assert_eq!(srm.rel_rmse(), 0.1595, "third of six by error");
     let sheets = contact::all(dir.path(), &view).expect("sheets");

@@ -60,7 +60,7 @@ impl Shot<'_> {
 }
 
 /// Cells that may be compared with one another: one scene, sun, image size and backend, so one truth.
-pub struct Case<'a> {
+pub struct CellGroup<'a> {
     /// Position in the report, from 1.
     pub number: usize,
     /// Scene and sun (and what else sets it apart from the other cases).
@@ -77,7 +77,7 @@ pub struct Case<'a> {
     pub clock: Clock,
 }
 
-impl<'a> Case<'a> {
+impl<'a> CellGroup<'a> {
     /// The cells that have numbers.
     pub fn shots(&self) -> Vec<Shot<'a>> {
         self.cells
@@ -113,18 +113,18 @@ impl<'a> Case<'a> {
 }
 
 /// A report with what charts and page ask of it.
-pub struct View<'a> {
+pub struct ReportView<'a> {
     /// The records.
     pub report: &'a Report,
     /// Comparable cells together, in matrix order.
-    pub cases: Vec<Case<'a>>,
-    /// See [`View::varying`].
+    pub cases: Vec<CellGroup<'a>>,
+    /// See [`ReportView::varying`].
     varying: BTreeMap<&'a str, Vec<&'a str>>,
     reconstructions: Vec<&'static ReconstructionInfo>,
     frames: String,
 }
 
-impl<'a> View<'a> {
+impl<'a> ReportView<'a> {
     /// Arranges a report.
     pub fn new(report: &'a Report) -> Self {
         let mut varying: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
@@ -284,7 +284,7 @@ fn varying_keys<'a>(sets: &[&'a Map<String, Value>]) -> Vec<&'a str> {
     keys
 }
 
-fn cases(report: &Report) -> Vec<Case<'_>> {
+fn cases(report: &Report) -> Vec<CellGroup<'_>> {
     let mut groups: Vec<Vec<&Cell>> = Vec::new();
     for cell in &report.cells {
         match groups.iter_mut().find(|g| comparable(g[0], cell)) {
@@ -297,7 +297,7 @@ fn cases(report: &Report) -> Vec<Case<'_>> {
     groups
         .into_iter()
         .enumerate()
-        .map(|(i, cells)| Case {
+        .map(|(i, cells)| CellGroup {
             number: i + 1,
             name: case_name(cells[0], &cells[0].scene, &firsts),
             short_name: case_name(cells[0], &shorten(&cells[0].scene, 64), &firsts),

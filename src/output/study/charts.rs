@@ -7,7 +7,7 @@ use super::select::{self, Found, Records};
 use crate::config::{ChartSpec, CostChart, Pick, Prices, Published, Study};
 use crate::error::Result;
 use crate::report::charts::axis::{AxisSpec, Scale};
-use crate::report::charts::chart::{Chart, DASHED, Data, Look, Plane, Point, SOLID, Series};
+use crate::report::charts::chart::{Chart, DASHED, Data, Look, Plane, Point, PointSeries, SOLID};
 use crate::report::format::ms;
 use crate::report::style::Style;
 
@@ -76,7 +76,7 @@ fn chart(spec: &ChartSpec, records: &Records<'_>, outcome: &Outcome) -> Result<F
                 Some(_) => format!("{} {}", records.label(name), metric_words(metric)),
             };
             match points(spec, records, &pick, metric) {
-                Ok(points) => series.push(Series {
+                Ok(points) => series.push(PointSeries {
                     label,
                     style: Style::of(records.method(name)),
                     look: Look::Line(dash),
@@ -113,9 +113,9 @@ fn chart(spec: &ChartSpec, records: &Records<'_>, outcome: &Outcome) -> Result<F
 }
 
 /// Points of the source in the chart's units.
-fn published(records: &Records<'_>, published: &Published) -> Series {
+fn published(records: &Records<'_>, published: &Published) -> PointSeries {
     let place = |(x, y): &(f64, f64)| Point::at(x * published.x_scale, y / published.unit);
-    Series {
+    PointSeries {
         label: format!("{} published", records.label(&published.series)),
         style: Style::of(records.method(&published.series)),
         look: Look::Published,
@@ -236,7 +236,7 @@ fn residuals(spec: &CostChart, outcome: &Outcome) -> Option<Chart> {
     let series = |method: &&str| {
         let own = model.cells.iter().filter(|cell| cell.method == *method);
         let point = |cell: &Cost| Some(Point::at(cell.total_ms, predicted(cell)? / cell.total_ms));
-        Series {
+        PointSeries {
             label: (*method).to_owned(),
             style: Style::of(method),
             look: Look::Points,
@@ -260,7 +260,7 @@ fn residuals(spec: &CostChart, outcome: &Outcome) -> Option<Chart> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::Made;
+    use super::super::fixture::FixtureReport;
     use super::*;
     use serde_json::{Value, json};
 
@@ -275,7 +275,7 @@ mod tests {
 
     #[test]
     fn points_are_ratios_to_the_same_round_and_published_ones_to_their_own_unit() {
-        let mut made = Made::new(&["a", "b"]);
+        let mut made = FixtureReport::new(&["a", "b"]);
         made.cell("b", json!({}), &[10.0, 20.0, 40.0]);
         made.cell("a", json!({"steps": 4}), &[30.0, 60.0, 120.0]);
         let records = made.records();
@@ -299,7 +299,7 @@ mod tests {
 
     #[test]
     fn a_series_without_its_unit_is_missing_and_says_why() {
-        let mut made = Made::new(&["a", "b"]);
+        let mut made = FixtureReport::new(&["a", "b"]);
         made.cell("a", json!({"steps": 4}), &[30.0, 60.0, 120.0]);
         let records = made.records();
         let pick = super::super::fixture::pick("a", json!({}));

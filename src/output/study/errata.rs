@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// A defect and what was found of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Shown {
+pub struct ErratumFinding {
     /// Where it stands.
     pub place: String,
     /// What is printed.
@@ -29,7 +29,7 @@ pub struct Shown {
 }
 
 /// Measures a defect. Reports lie in `folder`/ID.
-pub fn show(records: &Records<'_>, folder: &Path, erratum: &Erratum) -> Shown {
+pub fn show(records: &Records<'_>, folder: &Path, erratum: &Erratum) -> ErratumFinding {
     let found = match &erratum.evidence {
         Evidence::Number {
             published,
@@ -65,7 +65,7 @@ pub fn show(records: &Records<'_>, folder: &Path, erratum: &Erratum) -> Shown {
     };
     let measured = found.is_ok();
     let (numbers, cells) = found.unwrap_or_else(|reason| (format!("no number: {reason}"), vec![]));
-    Shown {
+    ErratumFinding {
         place: erratum.place.clone(),
         printed: erratum.printed.clone(),
         meant: erratum.meant.clone(),
@@ -155,13 +155,13 @@ fn truth<'a>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::{Made, quantity};
+    use super::super::fixture::{FixtureReport, quantity};
     use super::*;
     use serde_json::json;
 
     #[test]
     fn a_misprint_is_held_against_what_is_meant_and_may_do_no_harm() {
-        let mut made = Made::new(&["a"]);
+        let mut made = FixtureReport::new(&["a"]);
         for (steps, error) in [(1, 0.6), (2, 0.2), (3, 0.205)] {
             let cell = made.cell("a", json!({"steps": steps}), &[1.0]);
             if let Some(result) = &mut cell.result {

@@ -8,12 +8,12 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
 /// A report that cells are added to.
-pub struct Made {
+pub struct FixtureReport {
     pub reports: Vec<(String, Report)>,
     pub series: BTreeMap<String, Series>,
 }
 
-impl Made {
+impl FixtureReport {
     /// One empty experiment `e`; each of `methods` is a series of that name.
     pub fn new(methods: &[&str]) -> Self {
         let mut report = crate::report::fixture::report();

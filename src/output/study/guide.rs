@@ -88,7 +88,7 @@ fn picks(experiment: &str, series: &[String], at: &Map<String, serde_json::Value
 
 /// A competitor at one place.
 #[derive(Clone)]
-struct Entry<'a> {
+struct Competitor<'a> {
     label: &'a str,
     found: Found<'a>,
     value: Interval,
@@ -96,20 +96,20 @@ struct Entry<'a> {
 
 /// Settings that nothing clearly beats, best first, and the best of the others.
 struct Podium<'a> {
-    leaders: Vec<Entry<'a>>,
-    next: Option<Entry<'a>>,
+    leaders: Vec<Competitor<'a>>,
+    next: Option<Competitor<'a>>,
 }
 
-fn podium<'a>(mut entries: Vec<Entry<'a>>, metric: &str) -> Result<Podium<'a>, String> {
+fn podium<'a>(mut entries: Vec<Competitor<'a>>, metric: &str) -> Result<Podium<'a>, String> {
     entries.sort_by(|a, b| a.value.value.total_cmp(&b.value.value));
     if entries.is_empty() {
         return Err("no cell competes".to_owned());
     }
-    let beats = |a: &Entry<'a>, b: &Entry<'a>| {
+    let beats = |a: &Competitor<'a>, b: &Competitor<'a>| {
         let ratio = select::ratio(&a.found, &b.found, metric);
         ratio.map_or(a.value.high < b.value.low, |r| r.interval.high < 1.0)
     };
-    let beaten = |entry: &Entry<'a>| entries.iter().any(|other| beats(other, entry));
+    let beaten = |entry: &Competitor<'a>| entries.iter().any(|other| beats(other, entry));
     let (next, leaders): (Vec<_>, Vec<_>) = entries.iter().cloned().partition(beaten);
     Ok(Podium {
         next: next.into_iter().next(),
@@ -131,7 +131,7 @@ impl Podium<'_> {
 
     /// `srm 12.3, next esm 15.1`, with each number's unit behind it.
     fn text(&self, unit: &str) -> String {
-        let shown = |e: &Entry<'_>| format!("{} {}{unit}", e.label, number(e.value.value));
+        let shown = |e: &Competitor<'_>| format!("{} {}{unit}", e.label, number(e.value.value));
         let leaders: Vec<String> = self.leaders.iter().map(shown).collect();
         let lead = match leaders.len() {
             1 => leaders[0].clone(),
@@ -165,10 +165,10 @@ fn along_axis(
     picks: &[Pick],
     (axis, words): (&str, &str),
 ) -> Result<Vec<Sentence>, String> {
-    let mut places: Vec<(f64, Vec<Entry<'_>>)> = Vec::new();
+    let mut places: Vec<(f64, Vec<Competitor<'_>>)> = Vec::new();
     for pick in picks {
         for (x, found) in records.along(pick, axis)? {
-            let entry = Entry {
+            let entry = Competitor {
                 label: records.label(&pick.series),
                 value: select::metric(&found, metric)?.interval,
                 found,
@@ -249,7 +249,7 @@ fn within(
             value
         };
         let label = records.label(&pick.series);
-        entries.push(Entry {
+        entries.push(Competitor {
             label,
             found,
             value,
@@ -292,15 +292,15 @@ fn within(
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::{Made, pick};
+    use super::super::fixture::{FixtureReport, pick};
     use super::*;
     use serde_json::json;
 
-    fn podium_of(made: &Made, names: &[&str]) -> (Vec<String>, Option<String>) {
+    fn podium_of(made: &FixtureReport, names: &[&str]) -> (Vec<String>, Option<String>) {
         let records = made.records();
         let entry = |name: &&str| {
             let found = records.find(&pick(name, json!({}))).unwrap();
-            Entry {
+            Competitor {
                 label: found.cell.method.as_str(),
                 value: select::metric(&found, "total_ms").unwrap().interval,
                 found,
@@ -313,7 +313,7 @@ mod tests {
 
     #[test]
     fn nobody_leads_who_is_beaten_and_a_tie_behind_a_beaten_one_is_not_lost() {
-        let mut made = Made::new(&["a", "b", "c"]);
+        let mut made = FixtureReport::new(&["a", "b", "c"]);
         // By medians a < b < c; b is slower than a in every round, c is not.
         made.cell("a", json!({}), &[10.0, 11.0, 12.0, 13.0, 30.0]);
         made.cell("b", json!({}), &[10.5, 11.5, 12.5, 13.5, 31.0]);
@@ -332,7 +332,7 @@ mod tests {
 
     #[test]
     fn a_budget_admits_what_it_just_holds() {
-        let mut made = Made::new(&["a", "b"]);
+        let mut made = FixtureReport::new(&["a", "b"]);
         for (name, bytes, error) in [("a", 100, 0.2), ("b", 101, 0.1)] {
             let cell = made.cell(name, json!({}), &[1.0, 1.0, 1.0]);
             if let Some(result) = &mut cell.result {
@@ -356,7 +356,7 @@ mod tests {
 
     #[test]
     fn a_stretch_of_the_axis_ends_where_the_leaders_change() {
-        let mut made = Made::new(&["a", "b"]);
+        let mut made = FixtureReport::new(&["a", "b"]);
         for (steps, a, b) in [(1, 5.0, 9.0), (2, 6.0, 9.0), (4, 12.0, 9.0)] {
             made.cell("a", json!({"steps": steps}), &[a, a, a]);
             made.cell("b", json!({"steps": steps}), &[b, b, b]);

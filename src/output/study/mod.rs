@@ -36,7 +36,7 @@ use crate::config::Study;
 use crate::error::{Error, Result};
 use claims::Claim;
 use cost_model::CostModel;
-use errata::Shown;
+use errata::ErratumFinding;
 use guide::Answer;
 use select::Records;
 use serde::Serialize;
@@ -62,7 +62,7 @@ pub struct Outcome {
     /// Tables of the source beside what was measured.
     pub tables: Vec<Table>,
     /// Defects of the source with their numbers.
-    pub errata: Vec<Shown>,
+    pub errata: Vec<ErratumFinding>,
     /// What a sample costs; `null` without times.
     pub cost_model: Option<CostModel>,
     /// Answers of the guide.

@@ -265,7 +265,7 @@ pub fn ratio(of: &Found<'_>, to: &Found<'_>, name: &str) -> Result<Repeated, Str
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::Made;
+    use super::super::fixture::FixtureReport;
     use super::*;
     use crate::batch::numbers::study_names;
     use crate::metrics::METRICS;
@@ -273,7 +273,7 @@ mod tests {
 
     #[test]
     fn every_named_number_is_known_and_darkening_is_a_size() {
-        let mut made = Made::new(&["a"]);
+        let mut made = FixtureReport::new(&["a"]);
         let cell = made.cell("a", json!({}), &[1.0, 2.0, 3.0]);
         if let Some(result) = &mut cell.result {
             let keys = METRICS.iter().map(|metric| metric.key.to_owned());
@@ -306,10 +306,10 @@ mod tests {
 
     #[test]
     fn rounds_of_which_one_has_no_time_are_not_paired() {
-        let mut made = Made::new(&["a", "b"]);
+        let mut made = FixtureReport::new(&["a", "b"]);
         made.cell("a", json!({}), &[1.0, 2.0, 3.0, 4.0, 5.0]);
         made.cell("b", json!({}), &[2.0, 4.0, 6.0, 8.0, 10.0]);
-        let range = |made: &Made| {
+        let range = |made: &FixtureReport| {
             let records = made.records();
             let found = ["b", "a"]
                 .map(|method| records.find(&super::super::fixture::pick(method, json!({}))));
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn without_rounds_a_time_spans_its_statistics() {
-        let mut made = Made::new(&["a"]);
+        let mut made = FixtureReport::new(&["a"]);
         let cell = made.cell("a", json!({}), &[10.0, 12.0, 11.0, 30.0]);
         if let Some(result) = &mut cell.result {
             result.rounds_total_ms.clear();

@@ -23,12 +23,12 @@ pub struct Table {
     /// Name and title of each number.
     pub metrics: Vec<(String, String)>,
     /// Rows in order.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CellRow>,
 }
 
 /// One cell of the study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct CellRow {
     /// The cell in words.
     pub label: String,
     /// One entry a number.
@@ -69,7 +69,7 @@ pub fn fill(records: &Records<'_>, spec: &TableSpec) -> Table {
     }
 }
 
-fn row(records: &Records<'_>, spec: &TableSpec, row: &TableRow) -> Row {
+fn row(records: &Records<'_>, spec: &TableSpec, row: &TableRow) -> CellRow {
     let pick = Pick {
         experiment: spec.experiment.clone(),
         series: row.series.clone(),
@@ -104,7 +104,7 @@ fn row(records: &Records<'_>, spec: &TableSpec, row: &TableRow) -> Row {
         }
         entries.push(entry);
     }
-    Row {
+    CellRow {
         label: records.words(&pick),
         entries,
         cell: found.as_ref().ok().map(CellLink::from),
@@ -114,13 +114,13 @@ fn row(records: &Records<'_>, spec: &TableSpec, row: &TableRow) -> Row {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture::Made;
+    use super::super::fixture::FixtureReport;
     use super::*;
     use serde_json::json;
 
     #[test]
     fn published_and_measured_numbers_stand_side_by_side() {
-        let mut made = Made::new(&["srm", "esm"]);
+        let mut made = FixtureReport::new(&["srm", "esm"]);
         let srm = made.cell("srm", json!({"steps": 10}), &[10.0, 20.0, 40.0]);
         if let Some(result) = &mut srm.result {
             result.memory.map_bytes = 0;

@@ -220,9 +220,9 @@ impl MethodSetup {
 }
 
 /// The registry as the configuration sees it.
-pub struct Registry;
+pub struct Methods;
 
-impl crate::config::MethodCatalogue for Registry {
+impl crate::config::MethodCatalogue for Methods {
     fn ids(&self) -> Vec<&str> {
         ids().collect()
     }

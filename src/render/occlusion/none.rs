@@ -2,7 +2,7 @@
 
 use super::LightOcclusion;
 use super::info::{Marker, MethodInfo, Role, Trials};
-use super::twin::{LightRay, March, Twin};
+use super::twin::{LightMarch, LightRay, Twin};
 use crate::error::Result;
 use crate::param::Params;
 
@@ -44,7 +44,7 @@ impl LightOcclusion for None {
 /// V = 1.
 struct Unoccluded;
 
-impl March for Unoccluded {
+impl LightMarch for Unoccluded {
     fn transmittance(&self, _ray: &dyn LightRay, _rnd: f64) -> f64 {
         1.0
     }

@@ -13,7 +13,7 @@
 //! All of them offer `encode(column)` to the column pass. Bindings of group 2 from 16 on are the method's own.
 
 use super::MethodSetup;
-use super::rounding::Format;
+use super::rounding::FloatFormat;
 use crate::error::Result;
 use crate::shader_defs::Defs;
 
@@ -248,16 +248,16 @@ pub fn texels(size: [u32; 3], levels: u32) -> u64 {
 
 impl MethodSetup {
     /// Number format of stored values; `None` without a map.
-    pub fn stored_format(&self) -> Result<Option<Format>> {
+    pub fn stored_format(&self) -> Result<Option<FloatFormat>> {
         let Some(map) = self.method.plan(&self.params)?.map else {
             return Ok(None);
         };
         Ok(Some(match map.layout.numbers() {
-            MapNumbers::Float if self.params.choice("storage")? == "f16" => Format::F16,
-            MapNumbers::Float => Format::F32,
-            MapNumbers::Unorm8 => Format::Unorm8,
-            MapNumbers::Unorm16 => Format::Unorm16,
-            MapNumbers::Word => Format::Packed,
+            MapNumbers::Float if self.params.choice("storage")? == "f16" => FloatFormat::F16,
+            MapNumbers::Float => FloatFormat::F32,
+            MapNumbers::Unorm8 => FloatFormat::Unorm8,
+            MapNumbers::Unorm16 => FloatFormat::Unorm16,
+            MapNumbers::Word => FloatFormat::Packed,
         }))
     }
 }

@@ -7,7 +7,7 @@ use half::f16;
 
 /// A number format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum FloatFormat {
     /// No rounding beyond the oracle's own.
     F64,
     /// binary32: largest 3.4e38, smallest normal 1.2e−38.
@@ -26,9 +26,9 @@ pub enum Format {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rounding {
     /// Format of a map's stored values.
-    pub storage: Format,
+    pub storage: FloatFormat,
     /// Format of what a method computes before it stores and after it loads, operation by operation.
-    pub arithmetic: Format,
+    pub arithmetic: FloatFormat,
     /// Denormals of both become 0 with their sign.
     pub flush_denormals: bool,
     /// Stored f16 values are cut off instead of rounded to nearest: what llvmpipe does. Finite values then stay finite.
@@ -38,8 +38,8 @@ pub struct Rounding {
 impl Rounding {
     /// f64 throughout.
     pub const EXACT: Self = Self {
-        storage: Format::F64,
-        arithmetic: Format::F64,
+        storage: FloatFormat::F64,
+        arithmetic: FloatFormat::F64,
         flush_denormals: false,
         truncate_f16: false,
     };
@@ -48,11 +48,11 @@ impl Rounding {
     pub fn device(storage: &str, flush_denormals: bool) -> Self {
         Self {
             storage: if storage == "f16" {
-                Format::F16
+                FloatFormat::F16
             } else {
-                Format::F32
+                FloatFormat::F32
             },
-            arithmetic: Format::F32,
+            arithmetic: FloatFormat::F32,
             flush_denormals,
             truncate_f16: false,
         }
@@ -68,14 +68,14 @@ impl Rounding {
         self.round(value, self.storage)
     }
 
-    fn round(&self, value: f64, format: Format) -> f64 {
+    fn round(&self, value: f64, format: FloatFormat) -> f64 {
         let (rounded, smallest_normal) = match format {
-            Format::F64 => (value, f64::MIN_POSITIVE),
-            Format::F32 => (f64::from(value as f32), f64::from(f32::MIN_POSITIVE)),
-            Format::F16 => (self.half(value), f16::MIN_POSITIVE.to_f64()),
-            Format::Unorm8 => return fraction(value, 255.0),
-            Format::Unorm16 => return fraction(value, 65_535.0),
-            Format::Packed => return value,
+            FloatFormat::F64 => (value, f64::MIN_POSITIVE),
+            FloatFormat::F32 => (f64::from(value as f32), f64::from(f32::MIN_POSITIVE)),
+            FloatFormat::F16 => (self.half(value), f16::MIN_POSITIVE.to_f64()),
+            FloatFormat::Unorm8 => return fraction(value, 255.0),
+            FloatFormat::Unorm16 => return fraction(value, 65_535.0),
+            FloatFormat::Packed => return value,
         };
         if self.flush_denormals && rounded.abs() < smallest_normal {
             return 0.0_f64.copysign(rounded);
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
 
     const F16: Rounding = Rounding {
-        storage: Format::F16,
+        storage: FloatFormat::F16,
         ..Rounding::EXACT
     };
 
@@ -139,10 +139,10 @@ mod tests {
             (0.499_99, 127.0 / 255.0),
             (7.0, 1.0),
         ] {
-            assert_eq!(stored(Format::Unorm8, value), expected, "{value}");
+            assert_eq!(stored(FloatFormat::Unorm8, value), expected, "{value}");
         }
-        assert_eq!(stored(Format::Unorm16, 0.3), 19_661.0 / 65_535.0);
-        assert_eq!(stored(Format::Packed, 0.3), 0.3);
+        assert_eq!(stored(FloatFormat::Unorm16, 0.3), 19_661.0 / 65_535.0);
+        assert_eq!(stored(FloatFormat::Packed, 0.3), 0.3);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::LightOcclusion;
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
-use super::twin::{LightRay, March, Twin, march};
+use super::twin::{LightMarch, LightRay, Twin, march};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
@@ -125,7 +125,7 @@ struct SecondaryMarch {
     sampling: &'static str,
 }
 
-impl March for SecondaryMarch {
+impl LightMarch for SecondaryMarch {
     fn transmittance(&self, ray: &dyn LightRay, rnd: f64) -> f64 {
         let n = f64::from(self.steps);
         let exit_m = ray.length_m();

@@ -2,7 +2,7 @@
 
 use super::LightOcclusion;
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
-use super::twin::{LightRay, March, OPAQUE_TAU, Twin};
+use super::twin::{LightMarch, LightRay, OPAQUE_TAU, Twin};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
@@ -65,7 +65,7 @@ struct ConstantSteps {
     step_m: f64,
 }
 
-impl March for ConstantSteps {
+impl LightMarch for ConstantSteps {
     fn transmittance(&self, ray: &dyn LightRay, _rnd: f64) -> f64 {
         let length_m = ray.length_m();
         let steps = (length_m / self.step_m).ceil() as u64;

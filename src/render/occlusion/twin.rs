@@ -4,7 +4,7 @@
 //! through every twin, so that a form that fails is seen to fail.
 
 #[cfg(doc)]
-use super::rounding::Format;
+use super::rounding::FloatFormat;
 use super::rounding::Rounding;
 use crate::error::Result;
 use crate::param::Params;
@@ -33,13 +33,13 @@ pub trait LightRay {
 /// A twin.
 pub enum Twin {
     /// A method that marches from every sample.
-    March(Box<dyn March>),
+    March(Box<dyn LightMarch>),
     /// A method that reads a map.
     Map(Box<dyn Encoding>),
 }
 
 /// Light transmittance by marching.
-pub trait March: Send + Sync {
+pub trait LightMarch: Send + Sync {
     /// V at the start of `ray`, which leads to the sun; `rnd` in `[0, 1)` is the sample's noise.
     fn transmittance(&self, ray: &dyn LightRay, rnd: f64) -> f64;
 }
@@ -50,7 +50,7 @@ pub trait Encoding: Send + Sync {
     fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64>;
 
     /// The values as the map keeps them. A method that packs values into words overrides this: where
-    /// [`Rounding::storage`] is [`Format::Packed`] it rounds each as its packing does.
+    /// [`Rounding::storage`] is [`FloatFormat::Packed`] it rounds each as its packing does.
     fn stored(&self, values: Vec<f64>, rounding: &Rounding) -> Vec<f64> {
         let stored = values.into_iter().map(|value| rounding.stored(value));
         stored.collect()

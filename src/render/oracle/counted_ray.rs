@@ -1,13 +1,13 @@
 //! Extinction along a light ray through a scene, counted.
 
-use super::field::Field;
+use super::field::OracleField;
 use super::layer::LayerRay;
 use crate::occlusion::twin::LightRay;
 use std::cell::Cell;
 
 /// A light ray through the medium that counts its samples.
 pub(super) struct CountedRay<'a> {
-    pub field: &'a Field,
+    pub field: &'a OracleField,
     /// Skip provably empty space.
     pub skip: bool,
     pub ray: LayerRay,

@@ -11,7 +11,7 @@ use glam::DVec3;
 const CELL_SLACK: f64 = 1e-9;
 
 /// Density and extinction of a scene.
-pub(super) struct Field {
+pub(super) struct OracleField {
     container: Container,
     extinction_per_m: f64,
     twin: Box<dyn DensityTwin>,
@@ -19,7 +19,7 @@ pub(super) struct Field {
     filter: Filter,
 }
 
-impl Field {
+impl OracleField {
     pub fn new(scene: &Scene, filter: Filter) -> Result<Self> {
         let (container, extinction_per_m) = (&scene.container, scene.medium.extinction_per_m);
         let field = scene.density.field();

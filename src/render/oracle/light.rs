@@ -7,8 +7,8 @@ use super::{LightColumn, Oracle};
 use crate::cost::{Counts, Samples};
 use crate::error::Result;
 use crate::occlusion::MethodSetup;
-use crate::occlusion::rounding::{Format, Rounding};
-use crate::occlusion::twin::{March, Twin, fallback};
+use crate::occlusion::rounding::{FloatFormat, Rounding};
+use crate::occlusion::twin::{LightMarch, Twin, fallback};
 use glam::DVec3;
 use std::cell::Cell;
 
@@ -38,7 +38,7 @@ impl Options {
         let storage = setup.stored_format().ok().flatten();
         Self {
             rounding: Rounding {
-                storage: storage.unwrap_or(Format::F64),
+                storage: storage.unwrap_or(FloatFormat::F64),
                 ..Rounding::EXACT
             },
             ..Self::default()
@@ -50,11 +50,11 @@ impl Options {
 pub struct Occlusion<'a> {
     pub(super) oracle: &'a Oracle,
     pub(super) skip: bool,
-    kind: Kind,
+    kind: LightModel,
 }
 
-enum Kind {
-    March(Box<dyn March>),
+enum LightModel {
+    March(Box<dyn LightMarch>),
     Map(Box<LightMap>),
 }
 
@@ -85,9 +85,9 @@ impl Tally {
 impl<'a> Occlusion<'a> {
     pub(super) fn new(oracle: &'a Oracle, setup: &MethodSetup, options: Options) -> Result<Self> {
         let kind = match setup.method.oracle(&setup.params)? {
-            Twin::March(march) => Kind::March(march),
+            Twin::March(march) => LightModel::March(march),
             Twin::Map(encoding) => {
-                Kind::Map(Box::new(LightMap::new(oracle, setup, encoding, options)?))
+                LightModel::Map(Box::new(LightMap::new(oracle, setup, encoding, options)?))
             }
         };
         Ok(Self {
@@ -111,8 +111,8 @@ impl<'a> Occlusion<'a> {
     /// What texel `(u, v)` of the method's map holds, rounded as [`Options`] say; `None` without a map.
     pub fn texel(&self, at: [u32; 2]) -> Option<Vec<f64>> {
         match &self.kind {
-            Kind::March(_) => None,
-            Kind::Map(map) => Some(map.stored(at)),
+            LightModel::March(_) => None,
+            LightModel::Map(map) => Some(map.stored(at)),
         }
     }
 
@@ -120,27 +120,27 @@ impl<'a> Occlusion<'a> {
     pub fn behind(&self, column: &LightColumn) -> f64 {
         let p = column.point(column.length_m());
         match &self.kind {
-            Kind::Map(map) => match map.uv(p) {
+            LightModel::Map(map) => match map.uv(p) {
                 Some(uv) => map.transmittance(uv, UNLIMITED_M),
                 None => self.visibility(p, 0.5),
             },
-            Kind::March(_) => self.visibility(p, 0.5),
+            LightModel::March(_) => self.visibility(p, 0.5),
         }
     }
 
     /// Density samples of the texels marched so far.
     pub(super) fn map_samples(&self) -> u64 {
         match &self.kind {
-            Kind::March(_) => 0,
-            Kind::Map(map) => map.samples(),
+            LightModel::March(_) => 0,
+            LightModel::Map(map) => map.samples(),
         }
     }
 
     /// Values of the texels marched so far that are NaN or infinite; 0 without a map.
     pub fn nonfinite_stored(&self) -> u64 {
         match &self.kind {
-            Kind::March(_) => 0,
-            Kind::Map(map) => map.nonfinite_stored(),
+            LightModel::March(_) => 0,
+            LightModel::Map(map) => map.nonfinite_stored(),
         }
     }
 
@@ -162,8 +162,8 @@ impl<'a> Occlusion<'a> {
             samples: &tally.light,
         };
         match &self.kind {
-            Kind::March(march) => march.transmittance(&ray, rnd),
-            Kind::Map(map) => {
+            LightModel::March(march) => march.transmittance(&ray, rnd),
+            LightModel::Map(map) => {
                 count(&tally.look_ups);
                 let Some(uv) = map.uv(p) else {
                     count(&tally.fallbacks);

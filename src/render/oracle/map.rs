@@ -2,7 +2,7 @@
 //! map's size.
 
 use super::counted_ray::CountedRay;
-use super::field::Field;
+use super::field::OracleField;
 use super::layer::{LayerRay, UNLIMITED_M};
 use super::{Options, Oracle};
 use crate::error::{Error, Result};
@@ -60,7 +60,7 @@ impl Rule {
 pub(super) struct LightMap {
     rectangle: MapRectangle,
     container: Container,
-    field: Arc<Field>,
+    field: Arc<OracleField>,
     skip: bool,
     sun: DVec3,
     resolution: u32,

@@ -23,7 +23,7 @@ use crate::frame::{Frame, MAX_PIXELS};
 use crate::occlusion::MethodSetup;
 use crate::progress::unwatched;
 use crate::scene::{Ambient, ImageSize, Scene, Sky, SkyModel};
-use field::Field;
+use field::OracleField;
 use glam::DVec3;
 use layer::{LayerRay, UNLIMITED_M};
 use std::sync::Arc;
@@ -32,7 +32,7 @@ use std::sync::Arc;
 pub struct Oracle {
     scene: Scene,
     image: ImageSize,
-    field: Arc<Field>,
+    field: Arc<OracleField>,
     /// Toward the sun.
     sun: DVec3,
     /// Irradiance perpendicular to the beam, × sun_gain, RGB.
@@ -67,7 +67,7 @@ impl Oracle {
 
     /// The same with noise textures filtered as `filter` says.
     pub fn filtered(scene: &Scene, image: ImageSize, filter: Filter) -> Result<Self> {
-        Self::over(Arc::new(Field::new(scene, filter)?), scene, image)
+        Self::over(Arc::new(OracleField::new(scene, filter)?), scene, image)
     }
 
     /// Another scene or image size; the density field is kept where the scenes have the same.
@@ -82,7 +82,7 @@ impl Oracle {
         }
     }
 
-    fn over(field: Arc<Field>, scene: &Scene, image: ImageSize) -> Result<Self> {
+    fn over(field: Arc<OracleField>, scene: &Scene, image: ImageSize) -> Result<Self> {
         let pixels = u64::from(image.width) * u64::from(image.height);
         if !(1..=MAX_PIXELS).contains(&pixels) {
             return Err(Error::input(

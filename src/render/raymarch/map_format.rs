@@ -63,12 +63,12 @@ fn formats(numbers: MapNumbers, half: bool) -> [(F, u32, &'static str); 3] {
 }
 
 /// Bits of a float, and whether texels are interpolated by the sampler: what the parameters say where the layout asks.
-struct Wanted {
+struct StorageRequest {
     half: bool,
     filtered: bool,
 }
 
-impl Wanted {
+impl StorageRequest {
     fn new(setup: &MethodSetup, layout: MapLayout) -> Result<Self> {
         let half = match layout.numbers() {
             MapNumbers::Float => setup.params.choice("storage")? == "f16",
@@ -101,7 +101,7 @@ impl TexelFormat {
         layout: MapLayout,
         device: impl Fn(F) -> FormatUse,
     ) -> Result<Option<Self>> {
-        let wanted = Wanted::new(setup, layout)?;
+        let wanted = StorageRequest::new(setup, layout)?;
         let (values, numbers) = match layout {
             MapLayout::Buffer { .. } => return Ok(None),
             MapLayout::Array { values, numbers }

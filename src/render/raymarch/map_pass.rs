@@ -4,7 +4,7 @@ use super::light_map::map_uniform;
 use super::map_format::{TexelFormat, defs, usable};
 use super::map_storage::MapStorage;
 use super::tiles::{Pass, SLOW_SAMPLES_A_MS, Tiles};
-use super::{Renderer, View};
+use super::{DeviceView, Renderer};
 use crate::error::{Error, Result};
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, PassTime, Program, Resource, Span};
 use crate::occlusion::MethodSetup;
@@ -31,9 +31,9 @@ struct MapPass {
 }
 
 /// What the passes of a map have in common.
-struct Surroundings<'a> {
+struct MapContext<'a> {
     renderer: &'a Renderer,
-    view: &'a View,
+    view: &'a DeviceView,
     setup: &'a MethodSetup,
     defs: &'a Defs,
     inputs: &'a Inputs,
@@ -44,7 +44,7 @@ impl MapPasses {
     /// Allocates a map and compiles its passes. `defs` and `inputs` get what the view march needs of it.
     pub fn new(
         renderer: &Renderer,
-        view: &View,
+        view: &DeviceView,
         setup: &MethodSetup,
         plan: &MapPlan,
         defs: &mut Defs,
@@ -58,7 +58,7 @@ impl MapPasses {
         let rectangle = MapRectangle::fit(&view.scene, view.image, storage.resolution);
         let steps = setup.params.int("steps")?;
         inputs.uniform("map", map_uniform(&rectangle, storage.resolution, steps));
-        let around = Surroundings {
+        let around = MapContext {
             renderer,
             view,
             setup,
@@ -111,7 +111,7 @@ impl MapPass {
     }
 }
 
-impl Surroundings<'_> {
+impl MapContext<'_> {
     fn column_pass(&self, resolution: u32) -> Result<MapPass> {
         let shader = self.setup.method.info().shader;
         let kernel = self.kernel("generate.wgsl", shader, None)?;

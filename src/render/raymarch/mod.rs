@@ -15,11 +15,11 @@ mod view;
 
 pub use map_format::{map_defs, planned_memory};
 pub use map_texels::MapTexels;
-pub use picture::Picture;
-pub use prepared::Prepared;
+pub use picture::DevicePicture;
+pub use prepared::PreparedPasses;
 pub use sequence::{AfterPass, DeviceSequence, Frames};
 pub use tiles::Tiling;
-pub use view::View;
+pub use view::DeviceView;
 
 use crate::cost::Counting;
 use crate::density::{DeviceField, Surroundings};
@@ -137,7 +137,7 @@ impl Renderer {
     }
 
     /// Uploads a scene for pictures of one size.
-    pub fn view(&self, scene: &Scene, image: ImageSize) -> Result<View> {
+    pub fn view(&self, scene: &Scene, image: ImageSize) -> Result<DeviceView> {
         let inputs = inputs::scene_inputs(scene, image, true);
         let around = Surroundings {
             container: &scene.container,
@@ -163,23 +163,23 @@ impl Renderer {
             None => Rc::new(scene.density.field().build(&self.gpu, &around)?),
         };
         *self.density.borrow_mut() = Some((key, density.clone()));
-        View::new(&self.gpu, scene, image, density, inputs)
+        DeviceView::new(&self.gpu, scene, image, density, inputs)
     }
 
     /// Compiles and allocates what a method needs in a view, for the frames of `sequence`: [`Frames::full`], or what a
     /// reconstruction brings. With counters in the place of a clock where counts are wanted.
     pub fn prepare(
         &self,
-        view: &View,
+        view: &DeviceView,
         setup: &MethodSetup,
         sequence: &Rc<dyn DeviceSequence>,
         counting: Counting,
-    ) -> Result<Prepared> {
-        Prepared::new(self, view, setup, sequence, counting == Counting::On)
+    ) -> Result<PreparedPasses> {
+        PreparedPasses::new(self, view, setup, sequence, counting == Counting::On)
     }
 
     /// The same for pictures of which every pixel is marched, by the clock.
-    pub fn prepare_full(&self, view: &View, setup: &MethodSetup) -> Result<Prepared> {
+    pub fn prepare_full(&self, view: &DeviceView, setup: &MethodSetup) -> Result<PreparedPasses> {
         self.prepare(view, setup, &Frames::full(), Counting::Off)
     }
 }

@@ -12,7 +12,7 @@ const INVERSE_DEPTH_BYTES: u64 = 4;
 
 /// Buffers of one value a pixel, row by row from the top.
 #[derive(Clone)]
-pub struct Picture {
+pub struct DevicePicture {
     image: ImageSize,
     /// RGB and opacity.
     radiance: wgpu::Buffer,
@@ -22,7 +22,7 @@ pub struct Picture {
     inverse_depth: Option<wgpu::Buffer>,
 }
 
-impl Picture {
+impl DevicePicture {
     /// An empty picture; [`Gpu::check`] tells whether it fitted.
     pub fn new(gpu: &Gpu, image: ImageSize, inverse_depth: bool) -> Self {
         let pixels = u64::from(image.width) * u64::from(image.height);

@@ -6,7 +6,7 @@ use super::map_pass::{MapPasses, counts_buffer, offer_counts};
 use super::map_texels::MapTexels;
 use super::sequence::{DeviceSequence, Outputs};
 use super::tiles::{Pass, Tiles};
-use super::{Renderer, View};
+use super::{DeviceView, Renderer};
 use crate::cost::{Counts, Memory, PassTimes, Samples};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -21,7 +21,7 @@ use std::time::Instant;
 const FIRST_TILE_ROWS: u32 = 8;
 
 /// A method in a view, its passes compiled and bound.
-pub struct Prepared {
+pub struct PreparedPasses {
     /// Memory of the method.
     pub memory: Memory,
     map: Option<MapPasses>,
@@ -35,10 +35,10 @@ pub struct Prepared {
     march_counts: Option<wgpu::Buffer>,
 }
 
-impl Prepared {
+impl PreparedPasses {
     pub(super) fn new(
         renderer: &Renderer,
-        view: &View,
+        view: &DeviceView,
         setup: &MethodSetup,
         sequence: &Rc<dyn DeviceSequence>,
         counting: bool,
@@ -184,7 +184,7 @@ impl Prepared {
 
 /// llvmpipe ends the loops of an invocation after 65 535 turns in all of them together (LP_MAX_TGSI_LOOP_ITERATIONS,
 /// without a word): there a view ray is marched in several dispatches. Elsewhere in one.
-fn steps_a_dispatch(gpu: &Gpu, view: &View, setup: &MethodSetup) -> Result<u32> {
+fn steps_a_dispatch(gpu: &Gpu, view: &DeviceView, setup: &MethodSetup) -> Result<u32> {
     const TURNS: f64 = 60_000.0;
     if gpu.info.driver != "llvmpipe" {
         return Ok(u32::MAX);

@@ -3,10 +3,10 @@
 //!
 //! A reconstruction ([`crate::reconstruct`]) brings a [`DeviceSequence`]; what a frame needs to be marched is the same for
 //! all of them and is kept in its [`Frames`]. A sequence outlives the view of a frame: a camera that moves has a view, and
-//! so a [`super::Prepared`], of its own in every frame.
+//! so a [`super::PreparedPasses`], of its own in every frame.
 
-use super::picture::Picture;
-use super::{Renderer, View};
+use super::picture::DevicePicture;
+use super::{DeviceView, Renderer};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, Program, Span, UniformValue};
@@ -47,7 +47,7 @@ pub trait DeviceSequence {
 pub struct Frames {
     pattern: Pattern,
     /// Pictures that take turns; none to march into the view's own.
-    pictures: Vec<Picture>,
+    pictures: Vec<DevicePicture>,
     /// Next frame, counted modulo [`Frames::turns`].
     turn: Cell<usize>,
     /// Camera of the frame before; `None` at the start of the sequence.
@@ -63,7 +63,7 @@ impl Frames {
         count: usize,
         inverse_depth: bool,
     ) -> Result<Self> {
-        let picture = |_| Picture::new(gpu, image, inverse_depth);
+        let picture = |_| DevicePicture::new(gpu, image, inverse_depth);
         let pictures = (0..count).map(picture).collect();
         gpu.check()?;
         Ok(Self {
@@ -93,7 +93,7 @@ impl Frames {
     }
 
     /// The picture that the last frame was marched to, if the sequence has pictures of its own.
-    pub fn before(&self) -> Option<&Picture> {
+    pub fn before(&self) -> Option<&DevicePicture> {
         self.picture(self.turn.get() + self.turns() - 1)
     }
 
@@ -104,7 +104,7 @@ impl Frames {
 
     /// Bytes of its own pictures.
     pub fn bytes(&self) -> u64 {
-        self.pictures.iter().map(Picture::bytes).sum()
+        self.pictures.iter().map(DevicePicture::bytes).sum()
     }
 
     /// Frames until the same picture is marched to at the same pixels again.
@@ -117,7 +117,7 @@ impl Frames {
         turns
     }
 
-    fn picture(&self, turn: usize) -> Option<&Picture> {
+    fn picture(&self, turn: usize) -> Option<&DevicePicture> {
         self.pictures.get(turn % self.pictures.len().max(1))
     }
 
@@ -136,7 +136,7 @@ impl DeviceSequence for Frames {
 /// A sequence seen by one view: where the march writes, and the compiled passes after it.
 pub(super) struct Outputs {
     sequence: Rc<dyn DeviceSequence>,
-    view: Picture,
+    view: DevicePicture,
     scene: Inputs,
     camera: Camera,
     passes: Vec<(Rc<Kernel>, [u32; 2])>,
@@ -147,11 +147,11 @@ pub(super) struct Outputs {
 impl Outputs {
     pub fn new(
         renderer: &Renderer,
-        view: &View,
+        view: &DeviceView,
         sequence: &Rc<dyn DeviceSequence>,
     ) -> Result<Self> {
         let frames = sequence.frames();
-        let fits = |picture: &Picture| picture.image() == view.image;
+        let fits = |picture: &DevicePicture| picture.image() == view.image;
         if !frames.pictures.iter().all(fits) {
             let problem = "a sequence of frames has pictures of another size than its view";
             return Err(Error::defect("raymarch", problem));
@@ -238,7 +238,7 @@ impl Outputs {
     }
 }
 
-fn output(picture: &Picture, subset: Subset) -> Inputs {
+fn output(picture: &DevicePicture, subset: Subset) -> Inputs {
     let mut inputs = Inputs::default();
     picture.offer(
         &mut inputs,

@@ -1,7 +1,7 @@
 //! A scene on the device, seen at one image size: what every method and the truth share.
 
 use super::inputs::scene_inputs;
-use super::picture::{Picture, RGBA_BYTES};
+use super::picture::{DevicePicture, RGBA_BYTES};
 use crate::density::DeviceField;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -12,7 +12,7 @@ use crate::shader_defs::Defs;
 use std::rc::Rc;
 
 /// A scene on the device, seen at one image size.
-pub struct View {
+pub struct DeviceView {
     /// The scene.
     pub scene: Scene,
     /// Picture size.
@@ -22,10 +22,10 @@ pub struct View {
     pub(super) inputs: Inputs,
     pub(super) defs: Defs,
     skip: bool,
-    pub(super) picture: Picture,
+    pub(super) picture: DevicePicture,
 }
 
-impl View {
+impl DeviceView {
     pub(super) fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -46,7 +46,7 @@ impl View {
                 "Choose another size.",
             ));
         }
-        let picture = Picture::new(gpu, image, false);
+        let picture = DevicePicture::new(gpu, image, false);
         gpu.check()?;
         Ok(Self {
             defs: defs(scene, &density),

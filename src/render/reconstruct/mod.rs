@@ -91,11 +91,11 @@ pub struct Registry;
 
 impl MethodCatalogue for Registry {
     fn ids(&self) -> Vec<&str> {
-        occlusion::Registry.ids()
+        occlusion::Methods.ids()
     }
 
     fn params(&self, id: &str) -> Option<Vec<&'static ParamSpec>> {
-        occlusion::Registry.params(id)
+        occlusion::Methods.params(id)
     }
 }
 

@@ -385,7 +385,7 @@ impl LightOcclusion for Half {
     }
 }
 
-impl twin::March for Half {
+impl twin::LightMarch for Half {
     fn transmittance(&self, _ray: &dyn twin::LightRay, _rnd: f64) -> f64 {
         0.5
     }

@@ -19,7 +19,7 @@ use std::path::Path;
 
 /// Container, density and definitions of a view, as `View` and `DeviceField` choose them.
 #[derive(Clone)]
-struct Surroundings {
+struct Composition {
     container: &'static str,
     density: String,
     defs: Defs,
@@ -35,14 +35,14 @@ fn flags(names: &[&str]) -> Defs {
 }
 
 /// Containers × kinds of density × their structures.
-fn fields() -> Vec<Surroundings> {
+fn fields() -> Vec<Composition> {
     let folder = tempfile::tempdir().unwrap();
-    let mut all: Vec<Surroundings> = Vec::new();
+    let mut all: Vec<Composition> = Vec::new();
     for (shader, container) in common::containers() {
         for kind in Density::KINDS {
             for example in (kind.examples)(&container, folder.path()).unwrap() {
                 let field = example.field();
-                all.push(Surroundings {
+                all.push(Composition {
                     container: shader,
                     density: field.shader().into_owned(),
                     defs: field.defs(),
@@ -70,7 +70,7 @@ fn method_defs(setup: &MethodSetup, wide: bool) -> Defs {
     defs
 }
 
-fn composed(entry: &str, setup: &MethodSetup, around: &Surroundings, extra: Defs) -> naga::Module {
+fn composed(entry: &str, setup: &MethodSetup, around: &Composition, extra: Defs) -> naga::Module {
     composed_point(entry, None, setup, around, extra)
 }
 
@@ -78,7 +78,7 @@ fn composed_point(
     entry: &str,
     point: Option<&str>,
     setup: &MethodSetup,
-    around: &Surroundings,
+    around: &Composition,
     extra: Defs,
 ) -> naga::Module {
     let mut defs = around.defs.clone();
@@ -109,7 +109,7 @@ fn composed_point(
 }
 
 /// Composes the passes that the method has.
-fn compose_all(setup: &MethodSetup, around: &Surroundings, extra: &Defs, wide: bool) {
+fn compose_all(setup: &MethodSetup, around: &Composition, extra: &Defs, wide: bool) {
     let mut defs = method_defs(setup, wide);
     defs.extend(extra.clone());
     for entry in ENTRIES {
@@ -338,7 +338,7 @@ fn uniform_leaves(module: &naga::Module, name: &str) -> (Vec<Leaf>, u32) {
 }
 
 fn two_decks() -> naga::Module {
-    let around = Surroundings {
+    let around = Composition {
         container: "container/shell.wgsl",
         density: "density/procedural.wgsl".to_owned(),
         defs: Defs::from([

@@ -12,7 +12,7 @@ use super::Volume;
 use crate::error::{Error, Result};
 use crate::file_part::FilePart;
 use archive::Member;
-use header::{Header, bad_header};
+use header::{VolumeHeader, bad_header};
 use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, WriteOptions, WriterBuilder};
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom, Write};
@@ -183,7 +183,7 @@ stored! {
     npyz::half::f16: f64::from, f32: f64::from, f64: |v| v,
 }
 
-type ReadFn<'a> = fn(Header, Source<'a>, &Axes, &Path) -> Result<Vec<f32>>;
+type ReadFn<'a> = fn(VolumeHeader, Source<'a>, &Axes, &Path) -> Result<Vec<f32>>;
 
 /// The reader for the stored type, in either byte order.
 fn reader_for<'a>(path: &Path, header: &NpyHeader) -> Result<ReadFn<'a>> {
@@ -221,7 +221,7 @@ fn reader_for<'a>(path: &Path, header: &NpyHeader) -> Result<ReadFn<'a>> {
 
 /// Streams the array in its own order and writes each value at its world place.
 fn read_values<T: Stored>(
-    header: Header,
+    header: VolumeHeader,
     source: Source<'_>,
     axes: &Axes,
     path: &Path,

@@ -5,8 +5,8 @@ use crate::damage::{cases, changed, changes, damaged, edits};
 use proptest::prelude::*;
 
 /// Writes a lock of this process, changed by `edit`.
-fn leave(folder: &Path, edit: impl FnOnce(&mut Holder)) -> PathBuf {
-    let mut holder = Holder::this_process();
+fn leave(folder: &Path, edit: impl FnOnce(&mut LockHolder)) -> PathBuf {
+    let mut holder = LockHolder::this_process();
     edit(&mut holder);
     let path = folder.join(LOCK);
     std::fs::write(&path, serde_json::to_vec(&holder).expect("text")).expect("written");
@@ -40,7 +40,7 @@ fn the_lock_of_a_dead_process_and_of_a_reused_id_is_taken_over() {
     let mut child = std::process::Command::new("true").spawn().expect("process");
     let dead = child.id();
     child.wait().expect("ended");
-    let edits: [&dyn Fn(&mut Holder); 3] = [
+    let edits: [&dyn Fn(&mut LockHolder); 3] = [
         &|holder| holder.process = dead,
         &|holder| holder.started = holder.started.map(|ticks| ticks + 1),
         &|holder| {
@@ -83,7 +83,7 @@ fn a_process_that_has_ended_but_whose_parent_has_not_noticed_is_dead() {
 
 #[test]
 fn the_lock_of_another_host_or_container_is_refused_with_the_file_to_remove() {
-    let edits: [&dyn Fn(&mut Holder); 3] = [
+    let edits: [&dyn Fn(&mut LockHolder); 3] = [
         &|holder| holder.host = "renderfarm-07".to_owned(),
         &|holder| holder.system = None,
         &|holder| {
@@ -174,7 +174,7 @@ fn a_takeover_that_was_killed_is_named() {
     leave(folder.path(), |holder| {
         holder.started = holder.started.map(|ticks| ticks + 1);
     });
-    if Holder::this_process().system.is_none() {
+    if LockHolder::this_process().system.is_none() {
         return assert!(refusal(folder.path()).contains(LOCK));
     }
     std::fs::write(folder.path().join(TAKEOVER), "").expect("written");

@@ -14,7 +14,7 @@ pub const TEMPORAL: [&str; 2] = ["time_ms.reconstruct.", "reconstruction."];
 
 /// Where the page of a report shows a number. `cells.csv` and `report.json` have all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub enum PagePlace {
     /// In the table of all cells.
     Cells,
     /// In the table of the three errors.
@@ -48,7 +48,7 @@ pub struct CellNumber {
     /// How pages write it.
     pub format: Format,
     /// Where the page of a report shows it.
-    pub shown: Shown,
+    pub shown: PagePlace,
     /// Definition.
     pub doc: &'static str,
     /// Name by which a study asks for it; `None` where it cannot.
@@ -74,7 +74,7 @@ impl CellNumber {
             label: metric.label,
             unit: metric.unit,
             format: metric.format,
-            shown: Shown::Cells,
+            shown: PagePlace::Cells,
             doc: metric.doc,
             study: Some(metric.key),
             repeats: None,

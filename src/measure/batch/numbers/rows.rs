@@ -1,6 +1,6 @@
 //! The numbers of a cell that are not errors against its truth: one row each.
 
-use super::{CellNumber, Getter, Repeats, Shown};
+use super::{CellNumber, Getter, PagePlace, Repeats};
 use crate::metrics::{Format, Recorded};
 
 /// Rows of [`CellNumber`] by the members of [`Measured`](crate::batch::record::Measured) that hold the value, so that name and
@@ -19,7 +19,7 @@ macro_rules! rows {
                 label: $label,
                 unit: $unit,
                 format: Format::$format,
-                shown: Shown::$shown,
+                shown: PagePlace::$shown,
                 doc: $doc,
                 study: rows!(@option $($study)?),
                 repeats: rows!(@option $($repeats)?),

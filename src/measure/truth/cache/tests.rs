@@ -4,7 +4,7 @@ use super::entry::{picture, sheet};
 use super::*;
 use crate::cost::Counting;
 use crate::cost::Samples;
-use crate::truth::{Made, Truth, cached};
+use crate::truth::{RenderedTruth, Truth, cached};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const IMAGE: ImageSize = ImageSize {
@@ -182,7 +182,7 @@ fn who_reads_while_another_removes_finds_the_truth_or_none() {
 /// The truth 1 from `cache`, rendered where it has none.
 fn truth(cache: &TruthCache) -> Truth {
     cached(id(1), IMAGE, Some(cache), Counting::On, || {
-        Ok(Made {
+        Ok(RenderedTruth {
             frame: frame(1),
             cost: COST,
             passes_s: 0.5,

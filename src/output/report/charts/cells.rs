@@ -2,9 +2,9 @@
 
 use super::super::pareto::frontier;
 use super::super::style::Style;
-use super::super::view::{Case, Shot, View, distinct};
+use super::super::view::{CellGroup, ReportView, Shot, distinct};
 use super::axis::{AxisSpec, Scale};
-use super::chart::{Data, Look, Plane, Point, Series, dash};
+use super::chart::{Data, Look, Plane, Point, PointSeries, dash};
 use super::numbers::Number;
 use crate::batch::record::Cell;
 use serde_json::Value;
@@ -16,7 +16,11 @@ struct Dot<'a> {
 }
 
 /// One number against another, with the frontier of both and that of the maps alone; `None` when no cell has both.
-pub fn scatter(view: &View<'_>, case: &Case<'_>, [x, y]: [&Number; 2]) -> Option<(Data, String)> {
+pub fn scatter(
+    view: &ReportView<'_>,
+    case: &CellGroup<'_>,
+    [x, y]: [&Number; 2],
+) -> Option<(Data, String)> {
     let shots = case.shots();
     let dots = shots.iter().filter_map(|shot| dot(*shot, x, y));
     let dots: Vec<Dot<'_>> = dots.collect();
@@ -32,7 +36,7 @@ pub fn scatter(view: &View<'_>, case: &Case<'_>, [x, y]: [&Number; 2]) -> Option
         }
     }
     let methods = case.methods().into_iter();
-    let mut series: Vec<Series> = methods.map(|method| of_method(&dots, method)).collect();
+    let mut series: Vec<PointSeries> = methods.map(|method| of_method(&dots, method)).collect();
     series.extend(frontiers(view, &dots));
     let plane = Plane {
         x: (x.axis)(view),
@@ -56,9 +60,9 @@ fn dot<'a>(shot: Shot<'a>, x: &Number, y: &Number) -> Option<Dot<'a>> {
     Some(Dot { shot, point })
 }
 
-fn of_method(dots: &[Dot<'_>], method: &str) -> Series {
+fn of_method(dots: &[Dot<'_>], method: &str) -> PointSeries {
     let own = dots.iter().filter(|dot| dot.shot.cell.method == method);
-    Series {
+    PointSeries {
         label: method.to_owned(),
         style: Style::of(method),
         look: Look::Points,
@@ -68,7 +72,7 @@ fn of_method(dots: &[Dot<'_>], method: &str) -> Series {
 
 /// The frontier of all dots, and that of those with a map where it is not part of it: a method without a map may beat all
 /// that have one, and the reader still wants to know which map is best.
-fn frontiers(view: &View<'_>, dots: &[Dot<'_>]) -> [Series; 2] {
+fn frontiers(view: &ReportView<'_>, dots: &[Dot<'_>]) -> [PointSeries; 2] {
     let places = |with_map: bool| -> Vec<(f64, f64)> {
         let place = |dot: &Dot<'_>| match with_map && dot.shot.map_bytes() == 0 {
             true => (f64::NAN, dot.point.y),
@@ -86,7 +90,7 @@ fn frontiers(view: &View<'_>, dots: &[Dot<'_>]) -> [Series; 2] {
         label: view.short(dots[i].shot.cell),
         ..Point::at(dots[i].point.x, dots[i].point.y)
     };
-    let series = |label: &str, look, points| Series {
+    let series = |label: &str, look, points| PointSeries {
         label: label.to_owned(),
         style: super::chart::GREY,
         look,
@@ -105,7 +109,7 @@ fn frontiers(view: &View<'_>, dots: &[Dot<'_>]) -> [Series; 2] {
 }
 
 /// A parameter as the horizontal axis.
-pub struct Sweep {
+pub struct ParamAxis {
     /// Name of the parameter.
     pub param: &'static str,
     /// Title of the axis.
@@ -116,7 +120,12 @@ pub struct Sweep {
 
 /// A number over a parameter, one line for each method and remaining setting; `None` when no setting was measured at two
 /// values of it.
-pub fn sweep(view: &View<'_>, case: &Case<'_>, over: &Sweep, y: &Number) -> Option<(Data, String)> {
+pub fn sweep(
+    view: &ReportView<'_>,
+    case: &CellGroup<'_>,
+    over: &ParamAxis,
+    y: &Number,
+) -> Option<(Data, String)> {
     let mut lines: Vec<(&Cell, Vec<Point>)> = Vec::new();
     for shot in case.shots() {
         let cell = shot.cell;
@@ -163,12 +172,12 @@ fn same_but(a: &Cell, b: &Cell, param: &str) -> bool {
 }
 
 /// Lines by their label and method, those of one method told apart by their dashes.
-pub fn apart<'a>(lines: impl Iterator<Item = (String, &'a str, Vec<Point>)>) -> Vec<Series> {
+pub fn apart<'a>(lines: impl Iterator<Item = (String, &'a str, Vec<Point>)>) -> Vec<PointSeries> {
     let mut methods: Vec<&str> = Vec::new();
     let line = |(label, method, points)| {
         let rank = methods.iter().filter(|known| **known == method).count();
         methods.push(method);
-        Series {
+        PointSeries {
             label,
             style: Style::of(method),
             look: Look::Line(dash(rank)),

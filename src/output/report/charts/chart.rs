@@ -37,7 +37,7 @@ pub struct Plane {
     /// The vertical axis.
     pub y: AxisSpec,
     /// What is drawn, in the order of the legend.
-    pub series: Vec<Series>,
+    pub series: Vec<PointSeries>,
     /// Values of y with a line across.
     pub levels: Vec<f64>,
     /// Values of x with a line from top to bottom, and what the legend says of each.
@@ -46,7 +46,7 @@ pub struct Plane {
 
 /// Points that look alike.
 #[derive(Clone, Debug)]
-pub struct Series {
+pub struct PointSeries {
     /// Words of the legend; empty: not in it. Series with the same words share an entry.
     pub label: String,
     /// Colour and marker.
@@ -137,12 +137,12 @@ pub struct Rows {
     /// What marks mean.
     pub keys: Vec<(Key, String)>,
     /// Rows from top to bottom.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ChartRow>,
 }
 
 /// What is known of one thing.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct ChartRow {
     /// Words at the left.
     pub label: String,
     /// Colour and marker.

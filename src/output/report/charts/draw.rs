@@ -43,10 +43,10 @@ impl Chart {
 #[cfg(test)]
 mod tests {
     use super::super::axis::{AxisSpec, Scale};
-    use super::super::chart::{DASHED, GREY, Look, Plane, Point, Series};
+    use super::super::chart::{DASHED, GREY, Look, Plane, Point, PointSeries};
     use super::*;
 
-    fn chart(series: Vec<Series>) -> Chart {
+    fn chart(series: Vec<PointSeries>) -> Chart {
         Chart {
             title: "What".to_owned(),
             of: "of what".to_owned(),
@@ -62,9 +62,9 @@ mod tests {
         }
     }
 
-    fn series(label: &str, y: &[f64]) -> Series {
+    fn series(label: &str, y: &[f64]) -> PointSeries {
         let points = y.iter().enumerate();
-        Series {
+        PointSeries {
             label: label.to_owned(),
             style: GREY,
             look: Look::Line(DASHED),

@@ -2,16 +2,16 @@
 
 use super::super::format::number;
 use super::super::style::Style;
-use super::super::view::{Case, Shot, View};
+use super::super::view::{CellGroup, ReportView, Shot};
 use super::axis::{AxisSpec, Scale};
-use super::chart::{Bar, Data, Row, Rows, Shape};
+use super::chart::{Bar, ChartRow, Data, Rows, Shape};
 use crate::batch::record::{Cell, Decomposition};
 
 /// Cells a chart may have before only the first are shown.
 const MOST: usize = 24;
 
 /// The bars of every cell; `None` when no cell was decomposed.
-pub fn data(view: &View<'_>, case: &Case<'_>) -> Option<(Data, String)> {
+pub fn data(view: &ReportView<'_>, case: &CellGroup<'_>) -> Option<(Data, String)> {
     let shots = case.shots();
     let decomposed = shots
         .iter()
@@ -32,7 +32,7 @@ pub fn data(view: &View<'_>, case: &Case<'_>) -> Option<(Data, String)> {
         note += &format!(" The first {MOST} of {} cells.", all.len());
     }
     let title = "RMS over that of the truth (log; bars of one cell beside each other)";
-    let row = |(cell, bars): (&Cell, Vec<Bar>)| Row {
+    let row = |(cell, bars): (&Cell, Vec<Bar>)| ChartRow {
         label: view.short(cell),
         style: Style::of(&cell.method),
         bars,

@@ -1,7 +1,7 @@
 //! Ghosting: what frames that know of those before add to the error of each frame of a moving camera.
 
 use super::super::format::number;
-use super::super::view::{Case, Shot, View};
+use super::super::view::{CellGroup, ReportView, Shot};
 use super::axis::{AxisSpec, Scale};
 use super::cells::apart;
 use super::chart::{Data, Plane, Point};
@@ -9,7 +9,11 @@ use crate::batch::record::{Ghosting, Measured};
 use crate::scene::CameraTrack;
 
 /// The curves of one movement; `None` when no cell was measured along it.
-pub fn data(view: &View<'_>, case: &Case<'_>, track: CameraTrack) -> Option<(Data, String)> {
+pub fn data(
+    view: &ReportView<'_>,
+    case: &CellGroup<'_>,
+    track: CameraTrack,
+) -> Option<(Data, String)> {
     let mut shots = case.shots();
     shots.retain(|shot| curve(shot.numbers, track).is_some());
     let first = curve(shots.first()?.numbers, track)?;

@@ -2,7 +2,7 @@
 
 use super::super::format::bytes;
 use super::super::style::Style;
-use super::super::view::{Case, Shot, View, distinct, plain};
+use super::super::view::{CellGroup, ReportView, Shot, distinct, plain};
 use super::axis::{AxisSpec, Scale};
 use super::chart::{self, Bar, Data, GREY, Rows, Shape};
 use super::plot::Key;
@@ -12,16 +12,16 @@ use crate::cost::Memory;
 const MOST: usize = 60;
 
 /// One method at one resolution and storage.
-struct Row<'a> {
+struct MemoryBar<'a> {
     method: &'a str,
     label: String,
     memory: Memory,
 }
 
 /// Payload against map bytes; `None` when no method has a map.
-pub fn data(view: &View<'_>) -> Option<(Data, String)> {
+pub fn data(view: &ReportView<'_>) -> Option<(Data, String)> {
     let rows = rows(view);
-    let no_map = |row: &Row<'_>| row.memory.map_bytes == 0 && row.memory.payload_bytes == 0;
+    let no_map = |row: &MemoryBar<'_>| row.memory.map_bytes == 0 && row.memory.payload_bytes == 0;
     if rows.iter().all(no_map) {
         return None;
     }
@@ -44,13 +44,13 @@ pub fn data(view: &View<'_>) -> Option<(Data, String)> {
     Some((Data::Rows(rows), note.to_owned()))
 }
 
-fn drawn(row: Row<'_>) -> chart::Row {
+fn drawn(row: MemoryBar<'_>) -> chart::ChartRow {
     let (payload, map) = (row.memory.payload_bytes, row.memory.map_bytes);
     let text = match payload == map {
         true => bytes(map),
         false => format!("{} → {}", bytes(payload), bytes(map)),
     };
-    chart::Row {
+    chart::ChartRow {
         style: Style::of(row.method),
         bars: vec![Bar {
             name: "",
@@ -61,18 +61,18 @@ fn drawn(row: Row<'_>) -> chart::Row {
     }
 }
 
-fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
-    let mut out: Vec<(Row<'a>, Shot<'a>)> = Vec::new();
-    for shot in view.cases.iter().flat_map(Case::shots) {
+fn rows<'a>(view: &ReportView<'a>) -> Vec<MemoryBar<'a>> {
+    let mut out: Vec<(MemoryBar<'a>, Shot<'a>)> = Vec::new();
+    for shot in view.cases.iter().flat_map(CellGroup::shots) {
         let memory = Memory {
             allocator_bytes: None,
             ..shot.numbers.memory
         };
         let label = label(&shot);
-        let same = |(r, _): &(Row<'_>, Shot<'_>)| r.label == label && r.memory == memory;
+        let same = |(r, _): &(MemoryBar<'_>, Shot<'_>)| r.label == label && r.memory == memory;
         if !out.iter().any(same) {
             out.push((
-                Row {
+                MemoryBar {
                     method: &shot.cell.method,
                     label,
                     memory,
@@ -94,7 +94,7 @@ fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
         .map(|(r, _)| out.iter().filter(|(o, _)| o.label == r.label).count() > 1)
         .collect();
     out.truncate(MOST);
-    let name = |((mut row, shot), clash): ((Row<'a>, Shot<'a>), bool)| {
+    let name = |((mut row, shot), clash): ((MemoryBar<'a>, Shot<'a>), bool)| {
         if clash {
             row.label = view.short_without(shot.cell, &["steps"]);
         }

@@ -23,10 +23,10 @@ pub mod probe;
 mod rows;
 mod times;
 
-use super::view::{Case, View};
+use super::view::{CellGroup, ReportView};
 use crate::error::Result;
 use crate::scene::CameraTrack;
-use cells::Sweep;
+use cells::ParamAxis;
 use chart::{Chart, Data};
 use numbers::{ERROR, MEMORY, Number, TIME};
 
@@ -34,7 +34,7 @@ use numbers::{ERROR, MEMORY, Number, TIME};
 pub const WIDTH: i32 = 700;
 
 /// A chart of batch reports.
-struct Kind {
+struct ChartKind {
     /// How its files' names begin.
     stem: &'static str,
     /// What it shows.
@@ -48,30 +48,30 @@ enum Source {
     /// For each case: one number against another, a point for each cell, and the frontier of both.
     Cells(&'static Number, &'static Number),
     /// For each case: a number over a parameter, a line for each remaining setting.
-    Sweep(Sweep, &'static Number),
+    Sweep(ParamAxis, &'static Number),
     /// For each case: a function of the chart's own.
-    Case(fn(&View<'_>, &Case<'_>) -> Option<(Data, String)>),
+    Case(fn(&ReportView<'_>, &CellGroup<'_>) -> Option<(Data, String)>),
     /// For the whole report: a function of the chart's own.
-    Report(fn(&View<'_>) -> Option<(Data, String)>),
+    Report(fn(&ReportView<'_>) -> Option<(Data, String)>),
 }
 
 /// Every chart, in the order of the page.
-const CHARTS: &[Kind] = &[
-    Kind {
+const CHARTS: &[ChartKind] = &[
+    ChartKind {
         stem: "error-time",
         title: "Error against time",
         source: Source::Cells(&TIME, &ERROR),
     },
-    Kind {
+    ChartKind {
         stem: "error-bytes",
         title: "Error against memory",
         source: Source::Cells(&MEMORY, &ERROR),
     },
-    Kind {
+    ChartKind {
         stem: "error-steps",
         title: "Error against steps",
         source: Source::Sweep(
-            Sweep {
+            ParamAxis {
                 param: "steps",
                 axis: "steps of the light or map march (log)",
                 note: "Each line: one method at one setting of everything but its steps.",
@@ -79,11 +79,11 @@ const CHARTS: &[Kind] = &[
             &ERROR,
         ),
     },
-    Kind {
+    ChartKind {
         stem: "error-step-length",
         title: "Error against step length",
         source: Source::Sweep(
-            Sweep {
+            ParamAxis {
                 param: "step_m",
                 axis: "step of the light march (m, log)",
                 note: "Each line: one method at one setting of everything but its step. The truth's own step has no error.",
@@ -91,27 +91,27 @@ const CHARTS: &[Kind] = &[
             &ERROR,
         ),
     },
-    Kind {
+    ChartKind {
         stem: "time",
         title: "Time of each cell",
         source: Source::Case(times::data),
     },
-    Kind {
+    ChartKind {
         stem: "three-errors",
         title: "Three errors of each cell",
         source: Source::Case(errors::data),
     },
-    Kind {
+    ChartKind {
         stem: "ghosting-pan",
         title: "Ghosting on a pan",
         source: Source::Case(|view, case| ghosting::data(view, case, CameraTrack::Pan)),
     },
-    Kind {
+    ChartKind {
         stem: "ghosting-dolly",
         title: "Ghosting on a dolly",
         source: Source::Case(|view, case| ghosting::data(view, case, CameraTrack::Dolly)),
     },
-    Kind {
+    ChartKind {
         stem: "memory",
         title: "Memory of the maps",
         source: Source::Report(memory::data),
@@ -127,7 +127,7 @@ pub struct Drawing {
     pub file: String,
     /// What it shows, of which scene and sun.
     pub title: String,
-    /// [`Case::number`] of the case it shows; `None` for a chart of the whole report.
+    /// [`CellGroup::number`] of the case it shows; `None` for a chart of the whole report.
     pub case: Option<usize>,
     /// The picture.
     pub svg: String,
@@ -139,16 +139,16 @@ pub fn kinds() -> impl Iterator<Item = &'static str> {
 }
 
 /// Every chart that has data, case by case, then those of the whole report.
-pub fn all(view: &View<'_>) -> Result<Vec<Drawing>> {
+pub fn all(view: &ReportView<'_>) -> Result<Vec<Drawing>> {
     let cases = view.cases.iter().map(Some).chain([None]);
     let pairs = cases.flat_map(|case| CHARTS.iter().map(move |kind| (case, kind)));
     let drawn = pairs.filter_map(|(case, kind)| kind.draw(view, case).transpose());
     drawn.collect()
 }
 
-impl Kind {
+impl ChartKind {
     /// The chart of one case or, without one, of the whole report; `None` where it is not such a chart or has no data.
-    fn draw(&self, view: &View<'_>, case: Option<&Case<'_>>) -> Result<Option<Drawing>> {
+    fn draw(&self, view: &ReportView<'_>, case: Option<&CellGroup<'_>>) -> Result<Option<Drawing>> {
         let data = match (&self.source, case) {
             (Source::Cells(x, y), Some(case)) => cells::scatter(view, case, [x, y]),
             (Source::Sweep(over, y), Some(case)) => cells::sweep(view, case, over, y),

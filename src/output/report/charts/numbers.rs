@@ -1,6 +1,6 @@
 //! Numbers of a cell as axes of charts.
 
-use super::super::view::{Shot, View};
+use super::super::view::{ReportView, Shot};
 use super::axis::{AxisSpec, Scale};
 
 /// Smallest and largest value over the repeats, where there are several.
@@ -9,11 +9,11 @@ pub type Range = Option<[f64; 2]>;
 /// A number that every cell may have.
 pub struct Number {
     /// Axis that shows the number.
-    pub axis: fn(&View<'_>) -> AxisSpec,
+    pub axis: fn(&ReportView<'_>) -> AxisSpec,
     /// The number and its range.
     pub of: fn(&Shot<'_>) -> Option<(f64, Range)>,
     /// A sentence on how to read it in a scatter chart; may be empty.
-    pub note: fn(&View<'_>) -> String,
+    pub note: fn(&ReportView<'_>) -> String,
     /// What a cell is without that has no such number.
     pub without: &'static str,
 }

@@ -2,7 +2,7 @@
 
 use super::super::style::{Marker, Style};
 use super::canvas::{Canvas, GRID, Hang, INK, MUTED, Px, SMALL, ink_of};
-use super::chart::{DASHED, DOTTED, Dash, Look, Plane, Point, SOLID, Series};
+use super::chart::{DASHED, DOTTED, Dash, Look, Plane, Point, PointSeries, SOLID};
 use super::labels::Placer;
 use super::plot::{FRONTIER_DASH, Key, Plot};
 use crate::error::Result;
@@ -53,7 +53,7 @@ pub fn keys(plane: &Plane) -> Vec<(Key, String)> {
     keys
 }
 
-fn key(series: &Series) -> Key {
+fn key(series: &PointSeries) -> Key {
     let style = series.style;
     match series.look {
         Look::Line(dash) => Key::Line(style, dash, true),
@@ -80,7 +80,7 @@ pub fn draw(canvas: &Canvas<'_>, plane: &Plane, top: i32, height: i32) -> Result
     let (xs, ys): (Vec<f64>, Vec<f64>) = (xs.collect(), ys.collect());
     let plot = Plot::new(top, height, LEFT, plane.x.over(&xs), plane.y.over(&ys));
     plot.draw(canvas)?;
-    let each = |draw: fn(&Canvas<'_>, &Plot, &Series) -> Result<()>| {
+    let each = |draw: fn(&Canvas<'_>, &Plot, &PointSeries) -> Result<()>| {
         let mut series = plane.series.iter();
         series.try_for_each(|series| draw(canvas, &plot, series))
     };
@@ -93,7 +93,7 @@ pub fn draw(canvas: &Canvas<'_>, plane: &Plane, top: i32, height: i32) -> Result
 }
 
 /// Columns from the foot and strips under the upper edge.
-fn fills(canvas: &Canvas<'_>, plot: &Plot, series: &Series) -> Result<()> {
+fn fills(canvas: &Canvas<'_>, plot: &Plot, series: &PointSeries) -> Result<()> {
     let [_, top, _, bottom] = plot.bounds;
     for point in &series.points {
         let [from, to] = point.x_range.unwrap_or([point.x; 2]).map(|x| plot.px(x));
@@ -127,7 +127,7 @@ fn at(plot: &Plot, point: &Point) -> Px {
     (plot.px(point.x), plot.py(point.y))
 }
 
-fn lines(canvas: &Canvas<'_>, plot: &Plot, series: &Series) -> Result<()> {
+fn lines(canvas: &Canvas<'_>, plot: &Plot, series: &PointSeries) -> Result<()> {
     let ink = ink_of(series.style);
     let (color, width, dash): (_, _, Dash) = match series.look {
         Look::Line(dash) => (ink, 2, dash),
@@ -144,7 +144,7 @@ fn lines(canvas: &Canvas<'_>, plot: &Plot, series: &Series) -> Result<()> {
 }
 
 /// The line of a series in pieces without holes.
-fn paths(plot: &Plot, series: &Series) -> Vec<Vec<Px>> {
+fn paths(plot: &Plot, series: &PointSeries) -> Vec<Vec<Px>> {
     if let Look::Frontier(_) = series.look {
         return vec![stairs(plot, &series.points)];
     }
@@ -165,7 +165,7 @@ fn stairs(plot: &Plot, points: &[Point]) -> Vec<Px> {
 }
 
 /// Bars from the smallest to the largest plausible value, with ends.
-fn ranges(canvas: &Canvas<'_>, plot: &Plot, series: &Series) -> Result<()> {
+fn ranges(canvas: &Canvas<'_>, plot: &Plot, series: &PointSeries) -> Result<()> {
     if matches!(series.look, Look::Columns | Look::Strip) {
         return Ok(());
     }
@@ -186,7 +186,7 @@ fn ranges(canvas: &Canvas<'_>, plot: &Plot, series: &Series) -> Result<()> {
     Ok(())
 }
 
-fn marks(canvas: &Canvas<'_>, plot: &Plot, series: &Series) -> Result<()> {
+fn marks(canvas: &Canvas<'_>, plot: &Plot, series: &PointSeries) -> Result<()> {
     let (first, step) = match series.look {
         Look::Sparse(first, step) => (first, step.max(1)),
         _ => (0, 1),

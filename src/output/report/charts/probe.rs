@@ -3,7 +3,7 @@
 use super::super::format::number;
 use super::super::style::Style;
 use super::axis::AxisSpec;
-use super::chart::{Chart, Data, GREY, Look, Plane, Point, SOLID, Series};
+use super::chart::{Chart, Data, GREY, Look, Plane, Point, PointSeries, SOLID};
 use crate::probe::{MethodCurve, Probe};
 
 /// Depths between two markers of a curve.
@@ -16,7 +16,7 @@ const UPPER: f64 = 1.05;
 /// The chart; `of` says which scene and column, `seen_m` is the depth of the pixel's point, if a pixel was asked for.
 pub fn chart(probe: &Probe, of: &str, seen_m: Option<f64>) -> Chart {
     let tau = -probe.truth.last().copied().unwrap_or(1.0).ln();
-    let mut series = vec![Series {
+    let mut series = vec![PointSeries {
         label: format!("truth, τ = {}", number(tau)),
         style: Style::of("truth"),
         look: Look::Bare(SOLID, 3),
@@ -53,9 +53,9 @@ fn points(probe: &Probe, values: &[f64]) -> Vec<Point> {
 }
 
 /// A method's curve, its markers shifted so that those of equal curves stay apart.
-fn curve(probe: &Probe, i: usize) -> Series {
+fn curve(probe: &Probe, i: usize) -> PointSeries {
     let curve = &probe.curves[i];
-    Series {
+    PointSeries {
         label: curve.method.to_owned(),
         style: Style::of(curve.method),
         look: Look::Sparse(MARKED * (i + 1) / (probe.curves.len() + 1), MARKED),
@@ -64,7 +64,7 @@ fn curve(probe: &Probe, i: usize) -> Series {
 }
 
 /// Where a series is outside, and the point where a clamp sets in.
-fn marks(probe: &Probe, curve: &MethodCurve) -> Vec<Series> {
+fn marks(probe: &Probe, curve: &MethodCurve) -> Vec<PointSeries> {
     let style = Style::of(curve.method);
     let pairs = probe.depths_m.windows(2).enumerate();
     let outside = pairs.filter(|(i, _)| curve.outside[i + 1]);
@@ -74,13 +74,13 @@ fn marks(probe: &Probe, curve: &MethodCurve) -> Vec<Series> {
         ..Point::at(probe.depths_m[from], curve.transmittance[from])
     });
     vec![
-        Series {
+        PointSeries {
             label: format!("{}: T rises, or τ̂ outside [0, τ]", curve.method),
             style,
             look: Look::Strip,
             points: outside.collect(),
         },
-        Series {
+        PointSeries {
             label: format!("{}: min(D_max, ·) sets in", curve.method),
             style,
             look: Look::Hollow,
@@ -97,7 +97,7 @@ fn over(range: [f64; 2], y: f64) -> Point {
 }
 
 /// Extinction as columns from the foot of the plot.
-fn profile(probe: &Probe) -> Series {
+fn profile(probe: &Probe) -> PointSeries {
     let densest = probe.extinction_per_m.iter().copied().fold(0.0, f64::max);
     let scale = if densest > 0.0 {
         PROFILE / densest
@@ -105,7 +105,7 @@ fn profile(probe: &Probe) -> Series {
         0.0
     };
     let pairs = probe.depths_m.windows(2).zip(&probe.extinction_per_m);
-    Series {
+    PointSeries {
         label: format!("extinction, up to {} m⁻¹", number(densest)),
         style: GREY,
         look: Look::Columns,

@@ -3,7 +3,7 @@
 use super::WIDTH;
 use super::axis::Scale;
 use super::canvas::{Canvas, GRID, Hang, INK, MUTED, Px, SMALL, ink_of};
-use super::chart::{Bar, Row, Rows, Shape};
+use super::chart::{Bar, ChartRow, Rows, Shape};
 use super::plot::{MARGIN, Plot};
 use crate::error::Result;
 use plotters::style::{Color as _, WHITE};
@@ -28,7 +28,7 @@ pub fn height(data: &Rows) -> i32 {
     data.rows.iter().map(row_height).sum::<i32>() + LAST
 }
 
-fn row_height(row: &Row) -> i32 {
+fn row_height(row: &ChartRow) -> i32 {
     let bars = i32::try_from(row.bars.len()).unwrap_or(1);
     BAR * bars + GAPS[usize::from(bars > 1)]
 }
@@ -63,7 +63,7 @@ pub fn draw(canvas: &Canvas<'_>, data: &Rows, top: i32, height: i32) -> Result<(
 }
 
 /// Room that the labels need at the left, px: no more than a third of the sheet.
-fn label_room(canvas: &Canvas<'_>, rows: &[Row]) -> Result<i32> {
+fn label_room(canvas: &Canvas<'_>, rows: &[ChartRow]) -> Result<i32> {
     let mut widest = 0;
     for row in rows {
         widest = widest.max(canvas.width(&row.label, SMALL)?);
@@ -71,13 +71,13 @@ fn label_room(canvas: &Canvas<'_>, rows: &[Row]) -> Result<i32> {
     Ok((MARGIN + LEAD + widest + 12).min(WIDTH / 3))
 }
 
-fn label(canvas: &Canvas<'_>, y: i32, row: &Row, room: i32) -> Result<()> {
+fn label(canvas: &Canvas<'_>, y: i32, row: &ChartRow, room: i32) -> Result<()> {
     canvas.marker((MARGIN + 6, y), 4.5, row.style, false)?;
     let label = canvas.fit(&row.label, SMALL, room - MARGIN - LEAD - 10)?;
     canvas.text((MARGIN + LEAD, y), &label, SMALL, INK, Hang::Right)
 }
 
-fn draw_bar(canvas: &Canvas<'_>, plot: &Plot, row: &Row, bar: &Bar, y: i32) -> Result<()> {
+fn draw_bar(canvas: &Canvas<'_>, plot: &Plot, row: &ChartRow, bar: &Bar, y: i32) -> Result<()> {
     let left = plot.bounds[0];
     if !bar.name.is_empty() {
         canvas.text((left - 8, y), bar.name, SMALL, MUTED, Hang::Left)?;
@@ -114,7 +114,7 @@ fn draw_bar(canvas: &Canvas<'_>, plot: &Plot, row: &Row, bar: &Bar, y: i32) -> R
 fn draw_parts(
     canvas: &Canvas<'_>,
     plot: &Plot,
-    row: &Row,
+    row: &ChartRow,
     parts: &[(f64, f64)],
     y: i32,
 ) -> Result<i32> {

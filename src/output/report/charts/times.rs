@@ -2,10 +2,10 @@
 
 use super::super::format::ms;
 use super::super::style::Style;
-use super::super::view::{Case, Shot, View};
+use super::super::view::{CellGroup, ReportView, Shot};
 use super::axis::{AxisSpec, Scale};
 use super::canvas::INK;
-use super::chart::{Bar, Data, Row, Rows, Shape};
+use super::chart::{Bar, ChartRow, Data, Rows, Shape};
 use super::plot::Key;
 use crate::batch::record::Clock;
 
@@ -16,7 +16,7 @@ const RECONSTRUCT_SHADE: f64 = 0.55;
 const MOST: usize = 60;
 
 /// Times as bars; `None` when no cell has a time.
-pub fn data(view: &View<'_>, case: &Case<'_>) -> Option<(Data, String)> {
+pub fn data(view: &ReportView<'_>, case: &CellGroup<'_>) -> Option<(Data, String)> {
     let mut shots = case.shots();
     shots.retain(|shot| shot.time_ms().is_some());
     if shots.is_empty() {
@@ -37,7 +37,7 @@ pub fn data(view: &View<'_>, case: &Case<'_>) -> Option<(Data, String)> {
     Some((Data::Rows(rows), note(view, all)))
 }
 
-fn note(view: &View<'_>, all: usize) -> String {
+fn note(view: &ReportView<'_>, all: usize) -> String {
     match (all > MOST, view.frames()) {
         (false, "") => {
             "Bars and numbers: medians. Whiskers: smallest to 95th percentile.".to_owned()
@@ -50,7 +50,7 @@ fn note(view: &View<'_>, all: usize) -> String {
     }
 }
 
-fn keys(view: &View<'_>, shots: &[Shot<'_>]) -> Vec<(Key, String)> {
+fn keys(view: &ReportView<'_>, shots: &[Shot<'_>]) -> Vec<(Key, String)> {
     let mut keys = match view.clock() {
         Clock::Device => vec![
             (MAP_SHADE, "making the map (pale)"),
@@ -73,7 +73,7 @@ fn reconstruct_ms(shot: &Shot<'_>) -> f64 {
     }
 }
 
-fn row(view: &View<'_>, shot: &Shot<'_>) -> Option<Row> {
+fn row(view: &ReportView<'_>, shot: &Shot<'_>) -> Option<ChartRow> {
     let total = shot.time()?;
     let map_ms = match shot.clock {
         Clock::Device => shot.numbers.time_ms.generate.map_or(0.0, |t| t.median),
@@ -87,7 +87,7 @@ fn row(view: &View<'_>, shot: &Shot<'_>) -> Option<Row> {
         (march_end, 1.0),
         (total.median, RECONSTRUCT_SHADE),
     ];
-    Some(Row {
+    Some(ChartRow {
         label: view.short(shot.cell),
         style: Style::of(&shot.cell.method),
         bars: vec![Bar {

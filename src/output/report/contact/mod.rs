@@ -9,7 +9,7 @@ use super::charts::canvas::{GRID, Hang, INK, MUTED, Surface, raster};
 use super::files;
 use super::format::{ms, number};
 use super::style::Style;
-use super::view::{Case, Shot, View};
+use super::view::{CellGroup, ReportView, Shot};
 use crate::error::{Error, Result};
 use crate::frame::false_colour;
 use image::imageops::{self, FilterType};
@@ -30,14 +30,14 @@ const TEXT: f64 = 17.5;
 pub struct Sheet {
     /// File name, in the folder of the charts.
     pub file: String,
-    /// [`Case::number`] of the case it shows.
+    /// [`CellGroup::number`] of the case it shows.
     pub case: usize,
     /// The PNG.
     pub png: Vec<u8>,
 }
 
 /// The sheets of all cases that have pictures.
-pub fn all(folder: &Path, view: &View<'_>) -> Result<Vec<Sheet>> {
+pub fn all(folder: &Path, view: &ReportView<'_>) -> Result<Vec<Sheet>> {
     let mut out = Vec::new();
     for case in &view.cases {
         if let Some(picture) = draw(folder, view, case)? {
@@ -56,13 +56,13 @@ fn defect(problem: image::ImageError) -> Error {
 }
 
 /// The cell that stands for a method: the middle one of its settings by error, of two the better.
-pub fn typical<'a>(case: &Case<'a>, method: &str) -> Option<Shot<'a>> {
+pub fn typical<'a>(case: &CellGroup<'a>, method: &str) -> Option<Shot<'a>> {
     let shots = case.by_error(method);
     shots.get(shots.len().saturating_sub(1) / 2).copied()
 }
 
 /// What one tile shows.
-struct Tile {
+struct ContactTile {
     method: String,
     heading: String,
     numbers: String,
@@ -71,12 +71,12 @@ struct Tile {
     difference: Option<Result<RgbImage, String>>,
 }
 
-fn tiles(folder: &Path, view: &View<'_>, case: &Case<'_>) -> Vec<Tile> {
+fn tiles(folder: &Path, view: &ReportView<'_>, case: &CellGroup<'_>) -> Vec<ContactTile> {
     let read = |files: &Map<String, Value>, key: &str| match files.get(key) {
         Some(Value::String(name)) => files::picture(folder, name).map(|(_, picture)| picture),
         _ => Err(format!("the record names no `{key}` picture")),
     };
-    let truth = case.reference.map(|reference| Tile {
+    let truth = case.reference.map(|reference| ContactTile {
         method: "truth".to_owned(),
         heading: "truth".to_owned(),
         numbers: format!("1000-step reference · {}", ms(reference.march_ms)),
@@ -84,7 +84,7 @@ fn tiles(folder: &Path, view: &View<'_>, case: &Case<'_>) -> Vec<Tile> {
         difference: None,
     });
     let shots = case.methods().into_iter().filter_map(|m| typical(case, m));
-    let others = shots.map(|shot| Tile {
+    let others = shots.map(|shot| ContactTile {
         method: shot.cell.method.clone(),
         heading: view.short(shot.cell),
         numbers: format!(
@@ -100,7 +100,7 @@ fn tiles(folder: &Path, view: &View<'_>, case: &Case<'_>) -> Vec<Tile> {
 }
 
 /// `None` when the case has no cell with numbers or no picture can be read.
-fn draw(folder: &Path, view: &View<'_>, case: &Case<'_>) -> Result<Option<RgbImage>> {
+fn draw(folder: &Path, view: &ReportView<'_>, case: &CellGroup<'_>) -> Result<Option<RgbImage>> {
     let tiles = tiles(folder, view, case);
     let sample = tiles.iter().find_map(|t| t.picture.as_ref().ok());
     let Some(layout) = Layout::new(tiles.len(), sample).filter(|_| !case.shots().is_empty()) else {
@@ -140,7 +140,12 @@ fn print_over(sheet: &mut RgbImage, ink: &RgbImage) {
 }
 
 /// Everything but the pictures, on white.
-fn write(view: &View<'_>, case: &Case<'_>, tiles: &[Tile], layout: &Layout) -> Result<RgbImage> {
+fn write(
+    view: &ReportView<'_>,
+    case: &CellGroup<'_>,
+    tiles: &[ContactTile],
+    layout: &Layout,
+) -> Result<RgbImage> {
     let (width, height) = layout.size();
     raster((width, height), |surface| {
         let left = layout.px(MARGIN);
@@ -194,8 +199,8 @@ fn paste_scale(sheet: &mut RgbImage, layout: &Layout, (x, y): (i32, i32)) {
 fn write_tile<DB: DrawingBackend>(
     surface: &Surface<DB>,
     layout: &Layout,
-    case: &Case<'_>,
-    tile: &Tile,
+    case: &CellGroup<'_>,
+    tile: &ContactTile,
     (x, y): (i32, i32),
 ) -> Result<()> {
     let (heading, text) = (layout.size_of(HEADING), layout.size_of(TEXT));
@@ -243,7 +248,7 @@ fn write_tile<DB: DrawingBackend>(
 fn write_scale<DB: DrawingBackend>(
     surface: &Surface<DB>,
     layout: &Layout,
-    case: &Case<'_>,
+    case: &CellGroup<'_>,
     at: (i32, i32),
 ) -> Result<()> {
     let [left, top, right, bottom] = layout.scale_box(at);

@@ -12,7 +12,7 @@ const WIDEST: u32 = 480;
 const BUDGET: usize = 24 << 20;
 
 /// A picture as the page can show it.
-pub enum Picture {
+pub enum PagePicture {
     /// Part of the page.
     Embedded {
         /// `data:` address.
@@ -47,26 +47,26 @@ impl Album {
     }
 
     /// The picture a record names under `key`, embedded whatever it adds to the page.
-    pub fn show(&mut self, files: &Map<String, Value>, key: &str) -> Picture {
+    pub fn show(&mut self, files: &Map<String, Value>, key: &str) -> PagePicture {
         let name = match files.get(key) {
             Some(Value::String(name)) => name,
-            _ => return Picture::Missing(format!("the record names no `{key}` picture")),
+            _ => return PagePicture::Missing(format!("the record names no `{key}` picture")),
         };
         match self.read(name) {
             Ok((uri, size)) => {
                 self.left = self.left.saturating_sub(uri.len());
-                Picture::Embedded {
+                PagePicture::Embedded {
                     uri,
                     link: files::link(name),
                     size,
                 }
             }
-            Err(reason) => Picture::Missing(reason),
+            Err(reason) => PagePicture::Missing(reason),
         }
     }
 
     /// [`Self::show`] while the page has room for it, else a link.
-    pub fn show_if_room(&mut self, files: &Map<String, Value>, key: &str) -> Picture {
+    pub fn show_if_room(&mut self, files: &Map<String, Value>, key: &str) -> PagePicture {
         let before = self.left;
         let linked = match files.get(key) {
             Some(Value::String(name)) if before == 0 && self.link(name).is_some() => {
@@ -74,7 +74,10 @@ impl Album {
             }
             _ => None,
         };
-        linked.map_or_else(|| self.show(files, key), |link| Picture::Linked { link })
+        linked.map_or_else(
+            || self.show(files, key),
+            |link| PagePicture::Linked { link },
+        )
     }
 
     /// The link to a file that exists inside the folder.

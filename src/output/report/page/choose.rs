@@ -1,7 +1,7 @@
 //! "Which method?": the fastest setting for an error, the smallest error for a budget, in each view and in all of them.
 
 use super::super::format::{map_size, maybe, memory_size, ms, number};
-use super::super::view::{Case, Shot, View, distinct};
+use super::super::view::{CellGroup, ReportView, Shot, distinct};
 use super::{frontier, parts, reconstructions};
 use crate::scene::ReconstructionInfo;
 use maud::{Markup, html};
@@ -51,11 +51,11 @@ impl<'a> Offer<'a> {
 }
 
 /// The settings that have numbers in every case, each with its worst.
-fn everywhere<'a>(cases: &[Case<'a>]) -> Vec<Offer<'a>> {
+fn everywhere<'a>(cases: &[CellGroup<'a>]) -> Vec<Offer<'a>> {
     let Some((first, rest)) = cases.split_first() else {
         return Vec::new();
     };
-    let rest: Vec<Vec<Shot<'a>>> = rest.iter().map(Case::shots).collect();
+    let rest: Vec<Vec<Shot<'a>>> = rest.iter().map(CellGroup::shots).collect();
     let same = |a: &Shot<'_>, b: &Shot<'_>| {
         a.cell.method == b.cell.method && a.cell.params == b.cell.params
     };
@@ -68,7 +68,7 @@ fn everywhere<'a>(cases: &[Case<'a>]) -> Vec<Offer<'a>> {
 }
 
 /// The section.
-pub fn section(view: &View<'_>) -> Markup {
+pub fn section(view: &ReportView<'_>) -> Markup {
     let timed = view
         .cases
         .iter()
@@ -95,7 +95,7 @@ pub fn section(view: &View<'_>) -> Markup {
 }
 
 /// What errors and times of reconstructed pictures are.
-fn reconstructed(view: &View<'_>, info: &ReconstructionInfo) -> Markup {
+fn reconstructed(view: &ReportView<'_>, info: &ReconstructionInfo) -> Markup {
     let loss = match (info.rest.exact, info.history.is_some()) {
         (true, _) => "What it loses in motion",
         (false, true) => "What it loses, at rest and in motion,",
@@ -119,7 +119,7 @@ const MEANING: &str = "The error is rel_rmse: the RMS difference of the sun-lit 
 /// Name of the row for all views at once.
 const EVERY_VIEW: &str = "every view";
 
-fn by_error(view: &View<'_>) -> Markup {
+fn by_error(view: &ReportView<'_>) -> Markup {
     let head = html! {
         th scope="col" { "Scene and sun" }
         @for limit in LIMITS { th scope="col" { "rel_rmse ≤ " (limit) } }
@@ -147,7 +147,7 @@ fn by_error(view: &View<'_>) -> Markup {
 }
 
 /// The cheapest offer within the limit, or how close the best one comes.
-fn answer(view: &View<'_>, offers: &[Offer<'_>], limit: f64) -> Markup {
+fn answer(view: &ReportView<'_>, offers: &[Offer<'_>], limit: f64) -> Markup {
     let within = offers.iter().filter(|o| o.rel_rmse <= limit);
     let best = offers.iter().map(|o| o.rel_rmse).min_by(f64::total_cmp);
     match within.min_by(|a, b| a.by_cost(b)) {
@@ -160,8 +160,8 @@ fn answer(view: &View<'_>, offers: &[Offer<'_>], limit: f64) -> Markup {
 }
 
 /// The form that works with the script, and is hidden without it. The script takes the cells from the table of all.
-fn by_budget(view: &View<'_>) -> Markup {
-    let shots: Vec<Shot<'_>> = view.cases.iter().flat_map(Case::shots).collect();
+fn by_budget(view: &ReportView<'_>) -> Markup {
+    let shots: Vec<Shot<'_>> = view.cases.iter().flat_map(CellGroup::shots).collect();
     let mut times: Vec<f64> = shots.iter().filter_map(Shot::time_ms).collect();
     times.sort_by(f64::total_cmp);
     let usual = times.get(times.len() / 2).map(|t| two_digits(*t));

@@ -1,7 +1,7 @@
 //! How steady the adapter was while it was measured: without that, a time is a number of unknown worth.
 
 use super::super::format::{number, percent, signed_percent};
-use super::super::view::{View, distinct};
+use super::super::view::{ReportView, distinct};
 use super::parts::{self, cell, heading};
 use crate::batch::clock::ClockRecord;
 use crate::batch::record::{Measured, Reference};
@@ -19,7 +19,7 @@ const DEVICE_COLUMNS: [(&str, &str); 4] = [
 
 /// Drift of the clock probe over all blocks in one sentence, for the captions of tables of times; empty where nothing was
 /// watched.
-pub fn sentence(view: &View<'_>) -> Markup {
+pub fn sentence(view: &ReportView<'_>) -> Markup {
     let unsettled = view.report.clock.iter().filter(|r| !r.settled).count();
     html! {
         @if let Some([least, most]) = view.report.clock_drift() {
@@ -32,7 +32,7 @@ pub fn sentence(view: &View<'_>) -> Markup {
 }
 
 /// The section; nothing where nothing was watched.
-pub fn section(view: &View<'_>) -> Markup {
+pub fn section(view: &ReportView<'_>) -> Markup {
     let cells = |record: &&ClockRecord| !measured(view, record).is_empty();
     let records: Vec<&ClockRecord> = view.report.clock.iter().filter(cells).collect();
     if records.is_empty() {
@@ -73,7 +73,7 @@ pub fn section(view: &View<'_>) -> Markup {
     }
 }
 
-fn row(view: &View<'_>, record: &ClockRecord, device: bool) -> Markup {
+fn row(view: &ReportView<'_>, record: &ClockRecord, device: bool) -> Markup {
     let measured = measured(view, record);
     let reference: Option<&Reference> =
         (view.report.references.iter()).find(|r| r.id == record.reference);
@@ -131,7 +131,7 @@ fn device_cells(clocks: Option<&Clocks>) -> Markup {
 }
 
 /// Numbers of the cells of a block.
-fn measured<'a>(view: &View<'a>, record: &ClockRecord) -> Vec<&'a Measured> {
+fn measured<'a>(view: &ReportView<'a>, record: &ClockRecord) -> Vec<&'a Measured> {
     let numbers = view.report.cells.iter().filter_map(|c| c.result.as_ref());
     numbers
         .filter(|m| m.reference == record.reference && m.block == record.block)

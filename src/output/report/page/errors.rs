@@ -1,18 +1,18 @@
 //! The three errors of decomposed cells: signed pictures beside each other, on one scale.
 
 use super::super::format::{number, written};
-use super::super::view::{Case, Shot, View};
+use super::super::view::{CellGroup, ReportView, Shot};
 use super::album::Album;
 use super::parts;
 use super::pictures::image;
-use crate::batch::numbers::{CellNumber, Shown, numbers};
+use crate::batch::numbers::{CellNumber, PagePlace, numbers};
 use crate::batch::record::Decomposition;
 use maud::{Markup, html};
 
 /// The section; nothing where the experiment asked for no decomposition.
-pub fn section(view: &View<'_>, album: &mut Album) -> Markup {
-    let decomposed = |case: &&Case<'_>| !cells(case).is_empty();
-    let cases: Vec<&Case<'_>> = view.cases.iter().filter(decomposed).collect();
+pub fn section(view: &ReportView<'_>, album: &mut Album) -> Markup {
+    let decomposed = |case: &&CellGroup<'_>| !cells(case).is_empty();
+    let cases: Vec<&CellGroup<'_>> = view.cases.iter().filter(decomposed).collect();
     if cases.is_empty() {
         return html! {};
     }
@@ -37,14 +37,14 @@ pub fn section(view: &View<'_>, album: &mut Album) -> Markup {
     }
 }
 
-fn cells<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, &'a Decomposition)> {
+fn cells<'a>(case: &CellGroup<'a>) -> Vec<(Shot<'a>, &'a Decomposition)> {
     let parts = |shot: Shot<'a>| Some((shot, shot.numbers.decomposition.as_ref()?));
     case.shots().into_iter().filter_map(parts).collect()
 }
 
 fn row(
-    view: &View<'_>,
-    case: &Case<'_>,
+    view: &ReportView<'_>,
+    case: &CellGroup<'_>,
     shot: &Shot<'_>,
     parts_of: &Decomposition,
     album: &mut Album,
@@ -72,10 +72,10 @@ fn row(
 /// The numbers of a decomposition.
 fn columns() -> impl Iterator<Item = &'static CellNumber> {
     let numbers = numbers().iter();
-    numbers.filter(|number| number.shown == Shown::Decomposition)
+    numbers.filter(|number| number.shown == PagePlace::Decomposition)
 }
 
-fn table(view: &View<'_>, case: &Case<'_>) -> Markup {
+fn table(view: &ReportView<'_>, case: &CellGroup<'_>) -> Markup {
     let head = html! {
         th scope="col" { "Method" }
         th scope="col" { "Setting" }

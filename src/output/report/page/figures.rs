@@ -2,11 +2,11 @@
 
 use super::super::charts::Drawing;
 use super::super::shell::parts;
-use super::super::view::View;
+use super::super::view::ReportView;
 use maud::{Markup, html};
 
 /// The section: charts by case, then those of the whole report.
-pub fn section(view: &View<'_>, charts: &[Drawing]) -> Markup {
+pub fn section(view: &ReportView<'_>, charts: &[Drawing]) -> Markup {
     html! {
         section #charts {
             h2 { "Charts" }

@@ -2,7 +2,7 @@
 
 use super::super::format::{error, ms, number};
 use super::super::pareto::frontier;
-use super::super::view::{Case, Shot, View};
+use super::super::view::{CellGroup, ReportView, Shot};
 use super::parts;
 use crate::metrics::{Metric, metric};
 use maud::{Markup, html};
@@ -11,7 +11,7 @@ use maud::{Markup, html};
 const ERRORS: [&Metric; 3] = [metric("rel_rmse"), metric("leak"), metric("darken")];
 
 /// Both tables of one case, folded away.
-pub fn of_case(view: &View<'_>, case: &Case<'_>) -> Markup {
+pub fn of_case(view: &ReportView<'_>, case: &CellGroup<'_>) -> Markup {
     let shots = case.shots();
     html! {
         @if shots.is_empty() { p.notice { (case.name) ": every cell failed." } }
@@ -27,7 +27,7 @@ pub fn of_case(view: &View<'_>, case: &Case<'_>) -> Markup {
     }
 }
 
-fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
+fn by_time(view: &ReportView<'_>, shots: &[Shot<'_>]) -> Markup {
     let timed: Vec<&Shot<'_>> = shots.iter().filter(|s| s.time_ms().is_some()).collect();
     if timed.is_empty() {
         return html! { p.notice { "No cell has a time." } };
@@ -59,7 +59,7 @@ fn by_time(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
     parts::table(view, caption, "small", head, body)
 }
 
-fn by_memory(view: &View<'_>, shots: &[Shot<'_>]) -> Markup {
+fn by_memory(view: &ReportView<'_>, shots: &[Shot<'_>]) -> Markup {
     let points: Vec<_> = shots
         .iter()
         .map(|s| (s.memory_bytes() as f64, s.rel_rmse()))
@@ -107,7 +107,7 @@ fn columns() -> Markup {
     }
 }
 
-fn cells(view: &View<'_>, shot: &Shot<'_>) -> Markup {
+fn cells(view: &ReportView<'_>, shot: &Shot<'_>) -> Markup {
     html! {
         td { (parts::method(&shot.cell.method)) }
         td { (parts::setting(view, shot)) }

@@ -14,20 +14,20 @@ mod tail;
 
 use super::charts::Drawing;
 use super::contact::Sheet;
-use super::shell::{Header, Link, Page, SCRIPT, page};
-use super::view::{View, distinct, plain};
+use super::shell::{Link, Page, PageHeader, SCRIPT, page};
+use super::view::{ReportView, distinct, plain};
 use album::Album;
 use maud::{Markup, html};
 use std::path::Path;
 
 /// The page; pictures are read from `folder` and embedded.
-pub fn html(folder: &Path, view: &View<'_>, charts: &[Drawing], sheets: &[Sheet]) -> String {
+pub fn html(folder: &Path, view: &ReportView<'_>, charts: &[Drawing], sheets: &[Sheet]) -> String {
     let mut album = Album::new(folder);
     let name = experiment_name(view);
     page(&Page {
         title: &name,
         style: "",
-        header: Header {
+        header: PageHeader {
             kicker: "occlab · how clouds shadow themselves",
             heading: &name,
             adapter: adapter(view),
@@ -54,14 +54,14 @@ pub fn html(folder: &Path, view: &View<'_>, charts: &[Drawing], sheets: &[Sheet]
 }
 
 /// The experiment's own name, if it has one.
-fn experiment_name(view: &View<'_>) -> String {
+fn experiment_name(view: &ReportView<'_>) -> String {
     match view.report.experiment.get("name") {
         Some(name) if !plain(name).trim().is_empty() => plain(name),
         _ => "Unnamed experiment".to_owned(),
     }
 }
 
-fn adapter(view: &View<'_>) -> Markup {
+fn adapter(view: &ReportView<'_>) -> Markup {
     let environment = &view.report.environment;
     html! {
         "Measured on " strong { (environment.adapter) }
@@ -70,7 +70,7 @@ fn adapter(view: &View<'_>) -> Markup {
     }
 }
 
-fn summary(view: &View<'_>) -> Markup {
+fn summary(view: &ReportView<'_>) -> Markup {
     let cells = &view.report.cells;
     let environment = &view.report.environment;
     let failed = cells.iter().filter(|c| c.result.is_none()).count();
@@ -102,7 +102,7 @@ fn summary(view: &View<'_>) -> Markup {
 }
 
 /// Links to the sections that the page has.
-fn links(view: &View<'_>) -> Vec<Link<'static>> {
+fn links(view: &ReportView<'_>) -> Vec<Link<'static>> {
     let measured = || view.report.cells.iter().filter_map(|c| c.result.as_ref());
     let decomposed = measured().any(|m| m.decomposition.is_some());
     let reconstructed = measured().any(|m| m.reconstruction.is_some());

@@ -2,8 +2,8 @@
 
 use super::super::contact::Sheet;
 use super::super::format::{error, ms, number};
-use super::super::view::{Case, Shot, View};
-use super::album::{Album, Picture};
+use super::super::view::{CellGroup, ReportView, Shot};
+use super::album::{Album, PagePicture};
 use super::parts;
 use crate::frame::FALSE_COLOUR_STOPS;
 use crate::metrics::{Metric, metric};
@@ -13,7 +13,7 @@ use maud::{Markup, html};
 const MOST_COLUMNS: usize = 6;
 
 /// The section, one sheet for each case.
-pub fn section(view: &View<'_>, album: &mut Album, sheets: &[Sheet]) -> Markup {
+pub fn section(view: &ReportView<'_>, album: &mut Album, sheets: &[Sheet]) -> Markup {
     html! {
         section #pictures {
             h2 { "Pictures" }
@@ -29,7 +29,12 @@ pub fn section(view: &View<'_>, album: &mut Album, sheets: &[Sheet]) -> Markup {
     }
 }
 
-fn sheet(view: &View<'_>, case: &Case<'_>, album: &mut Album, file: Option<&Sheet>) -> Markup {
+fn sheet(
+    view: &ReportView<'_>,
+    case: &CellGroup<'_>,
+    album: &mut Album,
+    file: Option<&Sheet>,
+) -> Markup {
     let best: Vec<(&str, Option<Shot<'_>>)> = case
         .methods()
         .into_iter()
@@ -57,10 +62,10 @@ fn sheet(view: &View<'_>, case: &Case<'_>, album: &mut Album, file: Option<&Shee
     }
 }
 
-fn truth(case: &Case<'_>, album: &mut Album) -> Markup {
+fn truth(case: &CellGroup<'_>, album: &mut Album) -> Markup {
     let picture = match case.reference {
         Some(reference) => album.show(&reference.files, "png"),
-        None => Picture::Missing("the report has no truth for this scene and sun".to_owned()),
+        None => PagePicture::Missing("the report has no truth for this scene and sun".to_owned()),
     };
     html! {
         figure.truth {
@@ -82,7 +87,7 @@ fn truth(case: &Case<'_>, album: &mut Album) -> Markup {
 }
 
 /// What the colours of the differences mean; the scale is the record's `diff_scale` where it names one.
-fn color_bar(case: &Case<'_>) -> Markup {
+fn color_bar(case: &CellGroup<'_>) -> Markup {
     let scale = case.diff_scale();
     let end = |sign: &str, word: &str| match scale {
         Some(s) => format!("{sign}{s}"),
@@ -104,7 +109,7 @@ fn gradient() -> String {
     format!("background:linear-gradient(90deg,{})", stops.join(","))
 }
 
-fn card(view: &View<'_>, case: &Case<'_>, shot: &Shot<'_>, album: &mut Album) -> Markup {
+fn card(view: &ReportView<'_>, case: &CellGroup<'_>, shot: &Shot<'_>, album: &mut Album) -> Markup {
     let cell = shot.cell;
     let files = &shot.numbers.files;
     let name = format!("{} of {}", view.short(cell), case.name);
@@ -134,17 +139,17 @@ fn numbers(shot: &Shot<'_>) -> Markup {
 }
 
 /// A picture, or a visible notice in its place.
-pub fn image(picture: &Picture, name: &str, class: &str) -> Markup {
+pub fn image(picture: &PagePicture, name: &str, class: &str) -> Markup {
     match picture {
-        Picture::Embedded { uri, link, size } => html! {
+        PagePicture::Embedded { uri, link, size } => html! {
             a.frame href=(link) {
                 img class=(class) src=(uri) width=(size.0) height=(size.1) alt=(name) loading="lazy";
             }
         },
-        Picture::Linked { link } => html! {
+        PagePicture::Linked { link } => html! {
             a.frame href=(link) { img class=(class) src=(link) alt=(name) loading="lazy"; }
         },
-        Picture::Missing(reason) => html! {
+        PagePicture::Missing(reason) => html! {
             div.notice.missing role="img" aria-label=(name) { strong { "Picture missing. " } (reason) "." }
         },
     }
@@ -152,8 +157,8 @@ pub fn image(picture: &Picture, name: &str, class: &str) -> Markup {
 
 /// The chooser: works with the script, hidden without it. Cells that have a card on the sheet take its pictures.
 fn compare(
-    view: &View<'_>,
-    case: &Case<'_>,
+    view: &ReportView<'_>,
+    case: &CellGroup<'_>,
     best: &[(&str, Option<Shot<'_>>)],
     album: &mut Album,
 ) -> Markup {
@@ -198,10 +203,10 @@ fn compare(
 }
 
 /// A picture kept for the chooser, which is not decoded before it is chosen.
-fn stored(picture: &Picture, class: &str) -> Markup {
+fn stored(picture: &PagePicture, class: &str) -> Markup {
     match picture {
-        Picture::Embedded { uri, .. } => html! { span class=(class) data-src=(uri) {} },
-        Picture::Linked { link } => html! { span class=(class) data-src=(link) {} },
-        Picture::Missing(reason) => html! { span class=(class) data-missing=(reason) {} },
+        PagePicture::Embedded { uri, .. } => html! { span class=(class) data-src=(uri) {} },
+        PagePicture::Linked { link } => html! { span class=(class) data-src=(link) {} },
+        PagePicture::Missing(reason) => html! { span class=(class) data-missing=(reason) {} },
     }
 }

@@ -3,7 +3,7 @@
 
 use super::super::charts::ghosting::motion;
 use super::super::format::{bytes, number, percent};
-use super::super::view::{Case, Shot, View, distinct};
+use super::super::view::{CellGroup, ReportView, Shot, distinct};
 use super::parts::{self, cell};
 use crate::batch::record::{Ghosting, ReconstructionNumbers};
 use crate::metrics::summarise;
@@ -14,7 +14,7 @@ use maud::{Markup, html};
 pub const ANCHOR: &str = "reconstruction";
 
 /// Heading of the section: the name of the reconstruction where there is one alone.
-pub fn heading(view: &View<'_>) -> &'static str {
+pub fn heading(view: &ReportView<'_>) -> &'static str {
     match view.reconstructions() {
         [only] => only.title,
         _ => "Reconstruction",
@@ -38,7 +38,7 @@ fn frame(info: &ReconstructionInfo) -> String {
 }
 
 /// The section; nothing where every cell is `full`.
-pub fn section(view: &View<'_>) -> Markup {
+pub fn section(view: &ReportView<'_>) -> Markup {
     if view.cases.iter().all(|case| cells(case).is_empty()) {
         return html! {};
     }
@@ -64,13 +64,13 @@ pub fn section(view: &View<'_>) -> Markup {
     }
 }
 
-fn cells<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, &'a ReconstructionNumbers)> {
+fn cells<'a>(case: &CellGroup<'a>) -> Vec<(Shot<'a>, &'a ReconstructionNumbers)> {
     let parts = |shot: Shot<'a>| Some((shot, shot.numbers.reconstruction.as_ref()?));
     case.shots().into_iter().filter_map(parts).collect()
 }
 
 /// Every curve, track by track.
-fn curves<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, CameraTrack, &'a Ghosting)> {
+fn curves<'a>(case: &CellGroup<'a>) -> Vec<(Shot<'a>, CameraTrack, &'a Ghosting)> {
     let of = |track| {
         let curve = move |(shot, parts): (Shot<'a>, &'a ReconstructionNumbers)| {
             Some((shot, track, parts.ghosting.get(&track)?))
@@ -81,7 +81,7 @@ fn curves<'a>(case: &Case<'a>) -> Vec<(Shot<'a>, CameraTrack, &'a Ghosting)> {
 }
 
 /// The cell that differs in nothing but marching every pixel.
-fn full<'a>(case: &Case<'a>, shot: &Shot<'_>) -> Option<Shot<'a>> {
+fn full<'a>(case: &CellGroup<'a>, shot: &Shot<'_>) -> Option<Shot<'a>> {
     let mut params = shot.cell.params.clone();
     params.remove("reconstruct");
     let same = |s: &Shot<'_>| {
@@ -103,7 +103,11 @@ fn ratio(frame: &Shot<'_>, full: &Shot<'_>) -> Option<f64> {
     }
 }
 
-fn costs(view: &View<'_>, case: &Case<'_>, cells: &[(Shot<'_>, &ReconstructionNumbers)]) -> Markup {
+fn costs(
+    view: &ReportView<'_>,
+    case: &CellGroup<'_>,
+    cells: &[(Shot<'_>, &ReconstructionNumbers)],
+) -> Markup {
     let head = html! {
         th scope="col" { "Method" }
         th scope="col" { "Setting" }
@@ -151,7 +155,7 @@ fn history(infos: &[&ReconstructionInfo]) -> String {
     }
 }
 
-fn ghosting(view: &View<'_>, curves: &[(Shot<'_>, CameraTrack, &Ghosting)]) -> Markup {
+fn ghosting(view: &ReportView<'_>, curves: &[(Shot<'_>, CameraTrack, &Ghosting)]) -> Markup {
     let head = html! {
         th scope="col" { "Movement" }
         th scope="col" { "Method" }

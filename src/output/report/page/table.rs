@@ -1,11 +1,11 @@
 //! Every cell and every number, sortable.
 
 use super::super::format::written;
-use super::super::view::{Case, Shot, View, all_params, distinct, pairs};
+use super::super::view::{CellGroup, ReportView, Shot, all_params, distinct, pairs};
 use super::album::Album;
 use super::clock;
 use super::parts::{self, cell, heading};
-use crate::batch::numbers::{CellNumber, Shown, numbers};
+use crate::batch::numbers::{CellNumber, PagePlace, numbers};
 use maud::{Markup, html};
 
 /// Columns before the numbers, with their units.
@@ -21,14 +21,14 @@ const FIRST: [(&str, &str); 5] = [
 const TEXTS: [&str; 4] = ["Scene", "Method", "Setting", "Picture"];
 
 /// The numbers of the table; those of reconstructed pictures are left out where every cell is `full`.
-pub fn columns(view: &View<'_>) -> Vec<&'static CellNumber> {
+pub fn columns(view: &ReportView<'_>) -> Vec<&'static CellNumber> {
     let shown =
-        |n: &&CellNumber| n.shown == Shown::Cells && (view.reconstructed() || !n.is_temporal());
+        |n: &&CellNumber| n.shown == PagePlace::Cells && (view.reconstructed() || !n.is_temporal());
     numbers().iter().filter(shown).collect()
 }
 
 /// The section.
-pub fn section(view: &View<'_>, album: &Album) -> Markup {
+pub fn section(view: &ReportView<'_>, album: &Album) -> Markup {
     let columns = columns(view);
     let headings = columns.iter();
     let headings = headings.map(|n| (n.label, n.format.unit_written(n.unit)));
@@ -55,8 +55,8 @@ pub fn section(view: &View<'_>, album: &Album) -> Markup {
 }
 
 fn row(
-    view: &View<'_>,
-    case: &Case<'_>,
+    view: &ReportView<'_>,
+    case: &CellGroup<'_>,
     shot: &Shot<'_>,
     columns: &[&CellNumber],
     album: &Album,
@@ -87,7 +87,7 @@ fn setting_key(shot: &Shot<'_>) -> String {
 }
 
 /// Parameters that all cells of a method share, which the column "Setting" leaves out.
-fn fixed(view: &View<'_>) -> Markup {
+fn fixed(view: &ReportView<'_>) -> Markup {
     let methods = distinct(view.report.cells.iter().map(|c| c.method.as_str()));
     let shared = |method: &str| {
         let cell = view.report.cells.iter().find(|c| c.method == method);

@@ -1,14 +1,14 @@
 //! What failed, what it was measured against, where and how long, and what the numbers mean.
 
 use super::super::format::{NONE, bytes, count, maybe, ms, number};
-use super::super::view::{View, all_params, distinct, plain};
+use super::super::view::{ReportView, all_params, distinct, plain};
 use super::parts::{self, cell};
 use super::table;
 use crate::batch::record::{Clock, Reference};
 use maud::{Markup, html};
 
 /// Failed cells with their reasons; nothing when none failed.
-pub fn failures(view: &View<'_>) -> Markup {
+pub fn failures(view: &ReportView<'_>) -> Markup {
     let failed: Vec<_> = view
         .report
         .cells
@@ -40,7 +40,7 @@ pub fn failures(view: &View<'_>) -> Markup {
 }
 
 /// Verdicts on published claims, as the records give them; nothing for a plain batch.
-pub fn claims(view: &View<'_>) -> Markup {
+pub fn claims(view: &ReportView<'_>) -> Markup {
     let claims: Vec<_> = view
         .report
         .claims
@@ -66,7 +66,7 @@ pub fn claims(view: &View<'_>) -> Markup {
 }
 
 /// The truths: what they cost and how much dearer they are than ten steps.
-pub fn references(view: &View<'_>) -> Markup {
+pub fn references(view: &ReportView<'_>) -> Markup {
     let head = html! {
         @for (name, unit) in [
             ("Scene", ""), ("Sun", "°"), ("Image", "px"), ("March", "ms"), ("Wall", "ms"), ("View samples", ""), ("Light samples", ""),
@@ -111,7 +111,7 @@ fn throughput(reference: &Reference) -> Option<f64> {
 }
 
 /// Time of the truth over that of the first `srm` cell with 10 steps that was compared with it.
-fn times_srm10(view: &View<'_>, reference: &Reference) -> Option<f64> {
+fn times_srm10(view: &ReportView<'_>, reference: &Reference) -> Option<f64> {
     let ten = |cell: &&crate::batch::record::Cell| {
         let own = cell
             .result
@@ -132,7 +132,7 @@ fn times_srm10(view: &View<'_>, reference: &Reference) -> Option<f64> {
 }
 
 /// Adapter, driver, build, host.
-pub fn environment(view: &View<'_>) -> Markup {
+pub fn environment(view: &ReportView<'_>) -> Markup {
     let e = &view.report.environment;
     let pairs = [
         ("Adapter", &e.adapter),
@@ -155,7 +155,7 @@ pub fn environment(view: &View<'_>) -> Markup {
 }
 
 /// The files that the scenes read, and how the report is measured again; nothing where it does not hold its scenes.
-fn inputs(view: &View<'_>) -> Markup {
+fn inputs(view: &ReportView<'_>) -> Markup {
     let report = view.report;
     if report.scenes.is_empty() {
         return html! {};
@@ -173,7 +173,7 @@ fn inputs(view: &View<'_>) -> Markup {
 }
 
 /// Where the wall-clock time went.
-pub fn wall(view: &View<'_>) -> Markup {
+pub fn wall(view: &ReportView<'_>) -> Markup {
     let w = &view.report.wall;
     let ratio = (w.passes_s > 0.0).then(|| (w.total_s - w.compile_s) / w.passes_s);
     let seconds = |s: f64| format!("{} s", number(s));
@@ -209,7 +209,7 @@ pub fn wall(view: &View<'_>) -> Markup {
     }
 }
 
-fn truths_ms(view: &View<'_>) -> Option<f64> {
+fn truths_ms(view: &ReportView<'_>) -> Option<f64> {
     let times: Vec<f64> = view
         .report
         .references
@@ -220,7 +220,7 @@ fn truths_ms(view: &View<'_>) -> Option<f64> {
 }
 
 /// What each number of the table of all cells means.
-pub fn definitions(view: &View<'_>) -> Markup {
+pub fn definitions(view: &ReportView<'_>) -> Markup {
     html! {
         section #definitions {
             h2 { "Definitions" }

@@ -16,7 +16,7 @@ pub struct Page<'a> {
     /// Rules besides those that all pages share.
     pub style: &'a str,
     /// What stands above the sections.
-    pub header: Header<'a>,
+    pub header: PageHeader<'a>,
     /// The sections.
     pub main: Markup,
     /// [`SCRIPT`], or empty.
@@ -24,7 +24,7 @@ pub struct Page<'a> {
 }
 
 /// What stands above the sections of a page.
-pub struct Header<'a> {
+pub struct PageHeader<'a> {
     /// A line above the heading: what kind of page it is.
     pub kicker: &'a str,
     /// The heading.
@@ -66,7 +66,7 @@ pub fn page(page: &Page<'_>) -> String {
     markup.into_string()
 }
 
-fn header(header: &Header<'_>) -> Markup {
+fn header(header: &PageHeader<'_>) -> Markup {
     html! {
         header {
             p.kicker { (header.kicker) }

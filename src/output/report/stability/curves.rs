@@ -2,7 +2,7 @@
 
 use super::super::charts::axis::AxisSpec;
 use super::super::charts::chart::{
-    Chart, DASHED, DOTTED, Dash, Data, Look, Plane, Point, SOLID, Series,
+    Chart, DASHED, DOTTED, Dash, Data, Look, Plane, Point, PointSeries, SOLID,
 };
 use super::super::shell::parts;
 use super::super::style::Style;
@@ -15,13 +15,13 @@ use maud::{Markup, html};
 const UPPER: f64 = 1.05;
 
 /// A drawn chart and what it shows.
-pub struct Drawing {
+pub struct CurveDrawing {
     title: String,
     svg: String,
 }
 
 /// The worst curves of every method and form: one that rings, one that breaks, one with values that are not finite.
-pub fn charts(sweep: &Sweep) -> Result<Vec<Drawing>> {
+pub fn charts(sweep: &Sweep) -> Result<Vec<CurveDrawing>> {
     let mut picked: Vec<(&SweepCase, &SweepRow, bool, f64)> = Vec::new();
     for case in &sweep.cases {
         for row in &case.rows {
@@ -58,7 +58,7 @@ pub fn charts(sweep: &Sweep) -> Result<Vec<Drawing>> {
     let draw = |(case, row, _, _): &(&SweepCase, &SweepRow, bool, f64)| {
         let chart = chart(sweep, case, row);
         let title = format!("{}, {}", chart.title, chart.of);
-        Ok(chart.svg()?.map(|svg| Drawing { title, svg }))
+        Ok(chart.svg()?.map(|svg| CurveDrawing { title, svg }))
     };
     picked
         .iter()
@@ -85,13 +85,13 @@ fn badness(case: &SweepCase, row: &SweepRow) -> f64 {
 }
 
 fn chart(sweep: &Sweep, case: &SweepCase, row: &SweepRow) -> Chart {
-    let truth = Series {
+    let truth = PointSeries {
         label: "truth".to_owned(),
         style: Style::of("truth"),
         look: Look::Bare(SOLID, 3),
         points: points(case, case.truth.iter().copied()),
     };
-    let curve = |row: &SweepRow, dash: Dash| Series {
+    let curve = |row: &SweepRow, dash: Dash| PointSeries {
         label: label(&row.setting),
         style: Style::of(&row.setting.method),
         look: Look::Bare(dash, 2),
@@ -138,7 +138,7 @@ fn stable<'a>(case: &'a SweepCase, row: &SweepRow) -> Option<&'a SweepRow> {
 }
 
 /// The section.
-pub fn section(charts: &[Drawing]) -> Markup {
+pub fn section(charts: &[CurveDrawing]) -> Markup {
     html! {
         section #curves {
             h2 { "Where something breaks or rings" }

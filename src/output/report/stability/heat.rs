@@ -11,7 +11,7 @@ const CELL_PX: usize = 16;
 const LETTER_PX: usize = 7;
 
 /// What a cell shows.
-struct Cell {
+struct HeatCell {
     class: &'static str,
     symbol: String,
     title: String,
@@ -75,7 +75,7 @@ fn legend() -> Markup {
     }
 }
 
-fn map(sweep: &Sweep, settings: &[&Setting], cell: &dyn Fn(&SweepRow) -> Cell) -> Markup {
+fn map(sweep: &Sweep, settings: &[&Setting], cell: &dyn Fn(&SweepRow) -> HeatCell) -> Markup {
     let groups = sweep.cases.chunk_by(|a, b| a.group == b.group);
     html! {
         div.scroll tabindex="0" { table.heat {
@@ -125,9 +125,9 @@ pub fn label(setting: &Setting) -> String {
     kept.join(" ")
 }
 
-fn shown(case: &SweepCase, setting: &Setting, cell: &dyn Fn(&SweepRow) -> Cell) -> Cell {
+fn shown(case: &SweepCase, setting: &Setting, cell: &dyn Fn(&SweepRow) -> HeatCell) -> HeatCell {
     if let Some(reason) = &case.refused {
-        return Cell {
+        return HeatCell {
             class: "is-refused",
             symbol: "R".to_owned(),
             title: reason.clone(),
@@ -137,15 +137,15 @@ fn shown(case: &SweepCase, setting: &Setting, cell: &dyn Fn(&SweepRow) -> Cell) 
     row.map_or_else(absent, cell)
 }
 
-fn absent() -> Cell {
-    Cell {
+fn absent() -> HeatCell {
+    HeatCell {
         class: "is-void",
         symbol: String::new(),
         title: String::new(),
     }
 }
 
-fn oracle_cell(columns: &Columns) -> Cell {
+fn oracle_cell(columns: &Columns) -> HeatCell {
     let numbers = format!(
         "largest error {}, weighted RMSE {}, {} rises up to {}",
         maybe(columns.max_error),
@@ -161,7 +161,7 @@ fn oracle_cell(columns: &Columns) -> Cell {
     )
 }
 
-fn device_cell(picture: &SweepPicture) -> Cell {
+fn device_cell(picture: &SweepPicture) -> HeatCell {
     let range = picture.range.map_or("n/a".to_owned(), |[low, high]| {
         format!("{}…{}", number(low), number(high))
     });
@@ -182,7 +182,7 @@ fn verdict_cell(
     reason: Option<&str>,
     error: Option<f64>,
     numbers: &str,
-) -> Cell {
+) -> HeatCell {
     let (class, symbol) = match verdict {
         FormVerdict::Ok => error_class(error),
         FormVerdict::Rings => ("is-rings", "~"),
@@ -194,7 +194,7 @@ fn verdict_cell(
         Some(reason) => format!("{reason}; {numbers}"),
         None => numbers.to_owned(),
     };
-    Cell {
+    HeatCell {
         class,
         symbol: symbol.to_owned(),
         title,

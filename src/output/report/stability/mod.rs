@@ -6,7 +6,7 @@ mod tables;
 
 use super::files;
 use super::shell::parts::plural;
-use super::shell::{Header, Link, Page, page};
+use super::shell::{Link, Page, PageHeader, page};
 use crate::error::{Error, Result};
 use crate::stability::{FormVerdict, Sweep};
 use maud::{Markup, html};
@@ -35,7 +35,7 @@ fn html(sweep: &Sweep) -> Result<String> {
     Ok(page(&Page {
         title: &sweep.name,
         style: include_str!("style.css"),
-        header: Header {
+        header: PageHeader {
             kicker: "occlab · where numbers end",
             heading: &sweep.name,
             adapter: html! { "Oracle in f64, number formats emulated · pictures on " strong { (device(sweep)) } },

@@ -31,7 +31,7 @@ pub fn straight(
     let numbers = without_drift(numbers.collect::<Result<_, String>>()?)?;
     let axis = points.iter().map(|(x, _)| *x);
     let values: Vec<(f64, Interval)> = axis.zip(numbers.iter().map(|n| n.interval)).collect();
-    let line = Line::through(&values);
+    let line = FittedLine::through(&values);
     let ends = [values[0].1.value, values[values.len() - 1].1.value];
     let largest = values.iter().map(|(_, y)| y.value).fold(f64::MIN, f64::max);
     let least = values.iter().map(|(_, y)| y.value).fold(f64::MAX, f64::min);
@@ -96,12 +96,12 @@ fn limited(deviation: f64, noise: f64, limit: f64) -> Verdict {
 
 /// A line by least squares. Its ranges take those of the points for independent: half-widths add up as squares, each with
 /// the weight that the point has in the fit.
-struct Line {
+struct FittedLine {
     intercept: Interval,
     slope: Interval,
 }
 
-impl Line {
+impl FittedLine {
     fn through(points: &[(f64, Interval)]) -> Self {
         let n = points.len() as f64;
         let mean_x = points.iter().map(|(x, _)| x).sum::<f64>() / n;

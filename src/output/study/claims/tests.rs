@@ -1,6 +1,6 @@
 //! Each predicate on made-up records, made to come out each way.
 
-use super::super::fixture::{Made, pick, quantity};
+use super::super::fixture::{FixtureReport, pick, quantity};
 use super::*;
 use crate::config::{Check, ClaimSpec, Quantity};
 use Verdict::{Fails, Holds, Undecidable};
@@ -14,7 +14,7 @@ fn noisy(ms: f64) -> [f64; 5] {
     [0.6 * ms, ms, 1.5 * ms, ms, 1.1 * ms]
 }
 
-fn verdict(made: &Made, test: &Test) -> Verdict {
+fn verdict(made: &FixtureReport, test: &Test) -> Verdict {
     let finding = find(&made.records(), test);
     assert!(!finding.numbers.is_empty());
     finding.verdict
@@ -30,7 +30,7 @@ fn ratio(between: (f64, Option<f64>)) -> Test {
 
 #[test]
 fn a_ratio_holds_fails_or_stays_open_by_its_whole_range() {
-    let mut made = Made::new(&["a", "b"]);
+    let mut made = FixtureReport::new(&["a", "b"]);
     made.cell("a", json!({"steps": 2}), &steady(20.0));
     made.cell("b", json!({"steps": 1}), &steady(10.0));
     assert_eq!(verdict(&made, &ratio((1.8, Some(2.2)))), Holds);
@@ -41,7 +41,7 @@ fn a_ratio_holds_fails_or_stays_open_by_its_whole_range() {
         Holds,
         "same rounds, same drift"
     );
-    let mut made = Made::new(&["a", "b"]);
+    let mut made = FixtureReport::new(&["a", "b"]);
     made.cell("a", json!({"steps": 2}), &noisy(20.0));
     made.cell("b", json!({"steps": 1}), &steady(10.0));
     assert_eq!(verdict(&made, &ratio((1.8, Some(2.2)))), Undecidable);
@@ -49,15 +49,15 @@ fn a_ratio_holds_fails_or_stays_open_by_its_whole_range() {
 
 #[test]
 fn times_of_other_views_are_divided_at_their_worst() {
-    let mut made = Made::new(&["a", "b"]);
+    let mut made = FixtureReport::new(&["a", "b"]);
     let drift = [10.0, 20.0, 30.0];
     made.cell("a", json!({"steps": 2}), &drift.map(|t| 2.0 * t));
     let other = made.cell("b", json!({"steps": 1}), &drift);
     assert_eq!(
         verdict(
-            &Made {
+            &FixtureReport {
                 reports: vec![],
-                ..Made::new(&["a"])
+                ..FixtureReport::new(&["a"])
             },
             &ratio((0.0, None))
         ),
@@ -85,9 +85,9 @@ fn times_of_other_views_are_divided_at_their_worst() {
 
 #[test]
 fn failed_and_missing_cells_and_single_runs_are_not_decidable() {
-    let mut made = Made::new(&["a", "b"]);
+    let mut made = FixtureReport::new(&["a", "b"]);
     made.cell("a", json!({"steps": 2}), &steady(20.0));
-    let reason = |made: &Made| {
+    let reason = |made: &FixtureReport| {
         let finding = find(&made.records(), &ratio((1.0, None)));
         assert_eq!(finding.verdict, Undecidable);
         finding.numbers
@@ -109,7 +109,7 @@ fn failed_and_missing_cells_and_single_runs_are_not_decidable() {
 
 #[test]
 fn a_range_takes_differences_and_exact_numbers() {
-    let mut made = Made::new(&["a", "b"]);
+    let mut made = FixtureReport::new(&["a", "b"]);
     made.cell("a", json!({"steps": 1}), &steady(10.0));
     made.cell("a", json!({"steps": 2}), &steady(30.0));
     let range = |between| Test::Range {
@@ -137,7 +137,7 @@ fn a_range_takes_differences_and_exact_numbers() {
 
 #[test]
 fn an_order_compares_each_group_with_the_next() {
-    let mut made = Made::new(&["a", "b", "c", "d"]);
+    let mut made = FixtureReport::new(&["a", "b", "c", "d"]);
     for (method, rounds) in [
         ("a", steady(10.0)),
         ("b", steady(12.0)),
@@ -165,7 +165,7 @@ fn an_order_compares_each_group_with_the_next() {
 }
 
 /// Each cell in rounds of its own.
-fn timed_apart(made: &mut Made) {
+fn timed_apart(made: &mut FixtureReport) {
     for (i, cell) in made.reports[0].1.cells.iter_mut().enumerate() {
         if let Some(result) = &mut cell.result {
             result.block = i;
@@ -173,8 +173,8 @@ fn timed_apart(made: &mut Made) {
     }
 }
 
-fn sweep(rounds: impl Fn(f64) -> [f64; 5]) -> Made {
-    let mut made = Made::new(&["a", "b"]);
+fn sweep(rounds: impl Fn(f64) -> [f64; 5]) -> FixtureReport {
+    let mut made = FixtureReport::new(&["a", "b"]);
     for steps in [1.0, 10.0, 20.0, 50.0] {
         made.cell("a", json!({"steps": steps}), &rounds(steps));
         made.cell("b", json!({"steps": steps}), &steady(30.0));
@@ -288,7 +288,7 @@ fn a_gain_of_error_is_a_share_of_it() {
 
 #[test]
 fn a_claim_takes_all_of_its_parts_and_says_which_decided() {
-    let mut made = Made::new(&["a", "b"]);
+    let mut made = FixtureReport::new(&["a", "b"]);
     made.cell("a", json!({"steps": 2}), &steady(20.0));
     made.cell("b", json!({"steps": 1}), &steady(10.0));
     let unmeasured = || Test::Unmeasured {

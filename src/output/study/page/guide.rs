@@ -3,7 +3,7 @@
 use super::super::Outcome;
 use super::{KICKER, cell_links};
 use crate::config::Study;
-use crate::report::shell::{Header, Link, Page};
+use crate::report::shell::{Link, Page, PageHeader};
 use maud::html;
 
 /// The page.
@@ -11,7 +11,7 @@ pub fn page<'a>(title: &'a str, study: &Study, outcome: &Outcome) -> Page<'a> {
     Page {
         title,
         style: include_str!("style.css"),
-        header: Header {
+        header: PageHeader {
             kicker: KICKER,
             heading: "Which method when?",
             adapter: html! { "Holds for " strong { (outcome.adapter) } ", profile " (outcome.profile) },

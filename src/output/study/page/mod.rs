@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::report::files;
 use crate::report::format::{number, signed_percent};
 use crate::report::shell::parts::{self, plural};
-use crate::report::shell::{Header, Link, Page, page};
+use crate::report::shell::{Link, Page, PageHeader, page};
 use maud::{Markup, html};
 use std::path::{Path, PathBuf};
 
@@ -35,7 +35,7 @@ pub fn write(
     let index = page(&Page {
         title: &study.title,
         style: include_str!("style.css"),
-        header: Header {
+        header: PageHeader {
             kicker: KICKER,
             heading: &study.title,
             adapter: html! { "Measured on " strong { (outcome.adapter) } },

@@ -6,10 +6,10 @@ use super::report_link;
 use crate::config::Study;
 use crate::metrics::{Metric, metric};
 use crate::report::format::error;
-use crate::report::page::album::{Album, Picture};
+use crate::report::page::album::{Album, PagePicture};
 use crate::report::page::parts;
 use crate::report::page::pictures::image;
-use crate::report::view::{Case, Shot, View};
+use crate::report::view::{CellGroup, ReportView, Shot};
 use maud::{Markup, html};
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -39,7 +39,7 @@ pub fn section(folder: &Path, study: &Study, records: &Records<'_>) -> Markup {
                     "and red where it is brighter, on one scale."
                 }
                 @for (id, report) in reports {
-                    @let view = View::new(report);
+                    @let view = ReportView::new(report);
                     @for case in &view.cases {
                         article {
                             h3 { (case.name) " · " a href=(report_link(id)) { "report of `" (id) "`" } }
@@ -64,10 +64,10 @@ fn files_below(experiment: &str, files: &Map<String, Value>) -> Map<String, Valu
     files.iter().filter_map(below).collect()
 }
 
-fn truth(experiment: &str, case: &Case<'_>, album: &mut Album) -> Markup {
+fn truth(experiment: &str, case: &CellGroup<'_>, album: &mut Album) -> Markup {
     let picture = match case.reference {
         Some(reference) => album.show(&files_below(experiment, &reference.files), "png"),
-        None => Picture::Missing("the report has no truth".to_owned()),
+        None => PagePicture::Missing("the report has no truth".to_owned()),
     };
     html! {
         figure.truth {
@@ -77,7 +77,7 @@ fn truth(experiment: &str, case: &Case<'_>, album: &mut Album) -> Markup {
     }
 }
 
-fn card(experiment: &str, view: &View<'_>, shot: &Shot<'_>, album: &mut Album) -> Markup {
+fn card(experiment: &str, view: &ReportView<'_>, shot: &Shot<'_>, album: &mut Album) -> Markup {
     let files = files_below(experiment, &shot.numbers.files);
     let name = view.short(shot.cell);
     html! {

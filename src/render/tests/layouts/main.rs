@@ -20,7 +20,7 @@ use occlab::frame::Frame;
 use occlab::occlusion::MethodSetup;
 use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
-use occlab::raymarch::{Frames, MapTexels, Prepared, Renderer, View};
+use occlab::raymarch::{DeviceView, Frames, MapTexels, PreparedPasses, Renderer};
 use occlab::scene::{ImageSize, Scene};
 
 const IMAGE: ImageSize = ImageSize {
@@ -50,13 +50,13 @@ fn expected_v(scene: &Scene, column: u32, row: u32) -> f64 {
     (-sigma * above).exp() * mean(sigma * (1.0 - rise)) / mean(sigma)
 }
 
-fn made(renderer: &Renderer, view: &View, setup: &MethodSetup) -> Prepared {
+fn made(renderer: &Renderer, view: &DeviceView, setup: &MethodSetup) -> PreparedPasses {
     let prepared = renderer.prepare_full(view, setup).unwrap();
     prepared.run(&renderer.gpu, &mut unwatched).unwrap();
     prepared
 }
 
-fn texels(renderer: &Renderer, prepared: &Prepared) -> MapTexels {
+fn texels(renderer: &Renderer, prepared: &PreparedPasses) -> MapTexels {
     prepared.map_texels(&renderer.gpu).unwrap().unwrap()
 }
 

@@ -3,7 +3,7 @@
 use occlab::occlusion::plan::{
     MapLayout, MapNumbers, MapPlan, MapResource, MapResourceKind, MethodPass, StorableFormat,
 };
-use occlab::occlusion::rounding::{Format, Rounding, fraction};
+use occlab::occlusion::rounding::{FloatFormat, Rounding, fraction};
 use occlab::occlusion::twin::{Column, Encoding, LookUp, Twin, between_slices};
 use occlab::occlusion::{
     LOOKUP, LightOcclusion, Marker, MethodInfo, MethodSetup, Plan, RESOLUTION, Role, SAMPLING,
@@ -279,7 +279,7 @@ impl Encoding for Packed {
 
     fn stored(&self, values: Vec<f64>, rounding: &Rounding) -> Vec<f64> {
         match rounding.storage {
-            Format::Packed => vec![
+            FloatFormat::Packed => vec![
                 fraction(values[0], 16_777_215.0),
                 fraction(values[1], 255.0),
             ],

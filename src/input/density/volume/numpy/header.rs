@@ -12,7 +12,7 @@ const MAX_HEADER_BYTES: usize = 1 << 16;
 const MAX_BRACKETS: usize = 64;
 
 /// A header that a volume can have.
-pub(super) struct Header {
+pub(super) struct VolumeHeader {
     pub npy: NpyHeader,
     pub shape: [u32; 3],
     /// Bytes before the data.
@@ -23,7 +23,7 @@ pub(super) struct Header {
 ///
 /// The `.npy` reader multiplies the axes without a check and allocates what the length field says; both are therefore
 /// checked here, on the text.
-pub(super) fn read(path: &Path, reader: &mut impl Read) -> Result<Header> {
+pub(super) fn read(path: &Path, reader: &mut impl Read) -> Result<VolumeHeader> {
     let io = |e: std::io::Error| match e.kind() {
         std::io::ErrorKind::UnexpectedEof => bad_header(path, "the file ends inside the header"),
         _ => super::cannot_read(path, e),
@@ -54,7 +54,7 @@ pub(super) fn read(path: &Path, reader: &mut impl Read) -> Result<Header> {
         let problem = "the shape is written in an unusual way";
         return Err(bad_header(path, problem));
     }
-    Ok(Header {
+    Ok(VolumeHeader {
         npy,
         shape,
         bytes: raw.len() as u64,
