@@ -1,4 +1,4 @@
-//! What a picture costs: time, density samples, memory.
+//! Cost of a picture: pass times in ms, counts of density samples and look-ups, memory in bytes.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,11 +10,13 @@ pub struct PassTimes {
     pub generate: Option<f64>,
     /// The view march, all tiles.
     pub march: Option<f64>,
-    /// The passes after the march that make the picture of what was marched; `None` where there are none.
+    /// The reconstruction passes after the view march; `None` where there are none.
     pub reconstruct: Option<f64>,
-    /// From submission to completion, seen from the CPU; of frames in flight together an equal share, recording included.
+    /// CPU time from submission to completion; for frames in flight together, an equal share each, command recording
+    /// included.
     pub wall: f64,
-    /// Timestamps of some pass are invalid (0, reversed, left over, or longer than the wall time): that pass and the total have no time.
+    /// Timestamps of some pass are invalid (0, reversed, left over from earlier work, or longer than the wall time):
+    /// that pass and the total have no time.
     pub refused: bool,
 }
 
@@ -27,7 +29,7 @@ impl PassTimes {
     }
 }
 
-/// What one picture took.
+/// Work counted for one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     /// Density samples.
@@ -38,7 +40,7 @@ pub struct Counts {
     pub fallbacks: u64,
 }
 
-/// Whether density samples and look-ups are to be counted: that takes a render of its own, which is not timed.
+/// Whether density samples and look-ups are counted; counting needs a render of its own, which is not timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counting {
     /// Count.

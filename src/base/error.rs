@@ -3,10 +3,10 @@
 use std::fmt::{Display, Formatter, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Most characters of one part of a message: a key of a megabyte must not fill the terminal.
+/// Longest part of a message, characters: a key of a megabyte must not fill the terminal.
 const MAX_PART_CHARS: usize = 1000;
 
-/// What a defect's message ends with: what to report, and where.
+/// Last sentence of a defect's message: what to report, and where.
 pub const REPORT: &str = concat!(
     "This is a defect of occlab ",
     env!("CARGO_PKG_VERSION"),
@@ -38,7 +38,7 @@ pub enum Error {
         /// What to do about it.
         remedy: &'static str,
     },
-    /// No adapter, a limit of the adapter, a lost device, memory.
+    /// No adapter, a limit of the adapter exceeded, a lost device, or out of memory.
     #[error("adapter: {}. {}", Escaped(problem), Escaped(remedy))]
     Gpu {
         /// What the driver or the limit said.
@@ -63,7 +63,7 @@ pub enum Error {
         /// What is wrong and what would be accepted.
         message: String,
     },
-    /// The program contradicts itself: nothing that a user, a file or a driver can cause.
+    /// An internal inconsistency, which no user, file or driver can cause: a bug of the program.
     #[error("{}: {}. {REPORT}", Escaped(place), Escaped(problem))]
     Defect {
         /// The part of the program.
@@ -76,8 +76,8 @@ pub enum Error {
     Stopped,
 }
 
-/// Text from outside as part of a paragraph: control characters are written as escapes, so that no name breaks the line
-/// or speaks to the terminal, and the middle of what is very long is left out.
+/// External text as part of a message: control characters are written as escapes, so that a name can neither break the
+/// line nor send control sequences to the terminal; the middle of very long text is left out.
 struct Escaped<T>(T);
 
 impl<T: Display> Display for Escaped<T> {
@@ -131,9 +131,10 @@ impl Error {
         }
     }
 
-    /// Whether it concerns one cell or view alone, so that a batch records it there and goes on: the adapter, the
-    /// input. A disk that fails or a wish to stop concerns all. So does a defect, and a shader that does not compile: a
-    /// batch runs the program's own, and recorded in a cell it would read like something the user did.
+    /// Whether the error concerns one cell or view alone, so that a batch records it there and goes on: errors of the
+    /// adapter or of the input do. A failed file access and [`Error::Stopped`] end the batch. So do a defect and a
+    /// shader that does not compile: a batch runs the program's own shaders, and in a cell's record the error would
+    /// read like a user error.
     pub fn concerns_one_cell(&self) -> bool {
         matches!(self, Self::Gpu { .. } | Self::Input { .. })
     }

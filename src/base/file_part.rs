@@ -14,8 +14,9 @@ pub struct FilePart {
 impl FilePart {
     /// Splits `path` at a colon that follows `.extension` (in any case, given without the dot).
     ///
-    /// Colons elsewhere belong to the path, such as that of a Windows drive, and so do all of them where a file has that
-    /// very name. Of several such colons the first is taken that ends the name of a file, else the first.
+    /// Other colons belong to the path, such as that of a Windows drive; so do all colons where a file of exactly that
+    /// name exists. Of several such colons, the first one that ends the name of an existing file is taken, else the
+    /// first.
     pub fn of(path: &Path, extension: &str) -> Self {
         let whole = Self {
             file: path.to_owned(),
@@ -42,7 +43,7 @@ impl FilePart {
             })
     }
 
-    /// The same item of another file, as one path.
+    /// Path of the same item in another file.
     pub fn path_in(&self, file: impl Into<PathBuf>) -> PathBuf {
         let mut path = file.into();
         if let Some(name) = &self.name {

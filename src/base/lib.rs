@@ -1,4 +1,4 @@
-//! What needs neither a scene nor a method: errors, parameters, devices, pictures and their error numbers.
+//! The parts that need neither a scene nor a method: errors, parameters, devices, pictures and their error numbers.
 //!
 //! Part of `occlab`, whose documentation starts with the architecture.
 

@@ -35,7 +35,8 @@ pub enum ParamKind {
     },
 }
 
-/// Where a parameter has an effect. What it depends on is a parameter of the same method that applies always.
+/// Condition under which a parameter has an effect. It may depend on one other parameter of the method, which always
+/// applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Applies {
     /// At every setting.
@@ -57,7 +58,7 @@ pub enum Applies {
 }
 
 impl Applies {
-    /// The parameter that decides.
+    /// Name of the parameter that decides; `None` for [`Applies::Always`].
     pub fn decided_by(self) -> Option<&'static str> {
         match self {
             Self::Always => None,
@@ -65,7 +66,7 @@ impl Applies {
         }
     }
 
-    /// Whether it does where the parameter that decides has this value.
+    /// Whether the condition holds where the deciding parameter has this value.
     pub fn at(self, value: ParamValue) -> bool {
         match (self, value) {
             (Self::Always, _) => true,
@@ -75,7 +76,7 @@ impl Applies {
         }
     }
 
-    /// The condition for people: `spacing = uniform_reach`; `None` where there is none.
+    /// The condition in words: `spacing = uniform_reach`; `None` where there is none.
     pub fn words(self) -> Option<String> {
         match self {
             Self::Always => None,
@@ -144,13 +145,13 @@ impl ParamSpec {
         }
     }
 
-    /// Whether it has an effect at a complete set of values.
+    /// Whether the parameter has an effect at a complete set of values.
     pub fn applies_at(&self, params: &Params) -> bool {
         let deciding = self.applies.decided_by();
         deciding.is_none_or(|of| params.get(of).is_some_and(|value| self.applies.at(value)))
     }
 
-    /// The options of a choice but those that only reproduce a source; none where it is a number.
+    /// Options of a choice, except those that only reproduce a source; empty for a number.
     pub fn everyday_options(&self) -> impl Iterator<Item = &'static str> {
         let options = match self.kind {
             ParamKind::Choice { options, .. } => options,
@@ -162,24 +163,25 @@ impl ParamSpec {
             .filter(|o| self.printed(o).is_none())
     }
 
-    /// Whether there is anything to choose without the options that only reproduce a source.
+    /// Whether at least two options remain without those that only reproduce a source; true where there are none of
+    /// those.
     pub fn is_everyday(&self) -> bool {
         self.as_printed.is_empty() || self.everyday_options().nth(1).is_some()
     }
 
-    /// What is to say of an option that only reproduces a source.
+    /// The note on an option that only reproduces a source; `None` for other options.
     pub fn printed(&self, option: &str) -> Option<&'static AsPrinted> {
         self.as_printed.iter().find(|p| p.option == option)
     }
 
-    /// Everything about its options as one text, for readers that show a parameter in one place.
+    /// The parameter's doc with the notes on all its options, as one text.
     pub fn whole_doc(&self) -> String {
         let printed = self.as_printed.iter();
         let printed = printed.map(|p| format!(" {}: {}.", p.option, p.doc));
         printed.fold(self.doc.to_owned(), |doc, more| doc + &more)
     }
 
-    /// Range or options as people write them: `1…50`, `nearest | hardware | blend`.
+    /// Range or options in words: `1…50`, `nearest | hardware | blend`.
     pub fn range_text(&self) -> String {
         match self.kind {
             ParamKind::Int { min, max, .. } => format!("{min}…{max}"),
@@ -251,7 +253,7 @@ impl Params {
         )
     }
 
-    /// The same with the values of `other`.
+    /// These values, replaced by those of `other` where it has them.
     pub fn with(mut self, other: &Self) -> Self {
         self.0.extend(&other.0);
         self

@@ -1,8 +1,8 @@
-//! Checks of values, and what is said of one that makes no sense: where it stands in the scene and what is allowed.
+//! Checks of values, and the message for an invalid one: its place in the scene and what is allowed.
 
 use crate::error::Error;
 
-/// A value that makes no sense, located by JSON pointer inside the scene.
+/// An invalid value, located by JSON pointer inside the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     /// JSON pointer, e.g. `/sun/elevation_deg`.
@@ -30,8 +30,8 @@ impl Problem {
     }
 }
 
-/// Largest magnitude of a radiance, a density or a distance that is still a number on the device, whose floats end at
-/// 3.4e38, when a few of them are multiplied.
+/// Largest magnitude allowed of a radiance, a density or a distance: products of a few of them stay finite in the
+/// device's f32, which ends at 3.4e38.
 pub const MAX_MAGNITUDE: f64 = 1e12;
 
 /// `value` must be finite and satisfy `ok`.

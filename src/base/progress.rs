@@ -1,8 +1,8 @@
-//! How a long render tells how far it is, and is stopped.
+//! Progress callback of a long render, which can also stop it.
 
 use std::ops::ControlFlow;
 
-/// Told the finished share, 0…1, after every tile; `Break` stops the render.
+/// Called with the finished share, 0…1, after every tile; `Break` stops the render.
 pub type Progress<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 
 /// Progress that is not shown and stops nothing.

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Atomic file writes: a file appears complete or not at all.
 
 use crate::error::{Error, Result};
 use std::fs::File;
@@ -6,13 +6,13 @@ use std::io::{BufWriter, ErrorKind, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
-/// How the name of a file begins and ends while it is being written.
+/// Prefix and suffix of the name of a file that is still being written.
 pub const UNFINISHED: (&str, &str) = (".occlab-", ".part");
 
 /// Writes a file through a temporary one in the same folder, then renames it over `path`.
 ///
-/// A reader sees the old content or the new, never a half; when `fill` fails nothing is left behind. The data is
-/// on the disk before the name is, so that a resumed batch may trust a file that exists.
+/// A reader sees the old content or the new, never a partial file; when `fill` fails nothing is left behind. The data
+/// reaches the disk before the name does, so that a resumed batch may trust a file that exists.
 pub fn write_atomic(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
@@ -23,8 +23,8 @@ pub fn write_atomic(
     Ok(())
 }
 
-/// The same where there is no such file yet; `false`, and nothing changed, where there is one. Of several processes that
-/// try at once one succeeds, on network file systems too.
+/// Like [`write_atomic`], but only where `path` does not exist yet; `Ok(false)`, and nothing changed, where it does. Of
+/// several processes that try at once exactly one succeeds, on network file systems too.
 pub fn create_atomic(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
@@ -32,7 +32,8 @@ pub fn create_atomic(
     match temporary(path, fill)?.persist_noclobber(path) {
         Ok(_) => Ok(true),
         Err(e) if e.error.kind() == ErrorKind::AlreadyExists => Ok(false),
-        // A file system without hard links, nor a rename that replaces nothing: some USB sticks and shares of other systems.
+        // The file system has neither hard links nor a rename that refuses to replace: some USB sticks and network
+        // shares.
         Err(e)
             if matches!(
                 e.error.kind(),
@@ -45,7 +46,7 @@ pub fn create_atomic(
     }
 }
 
-/// Copies a file to where there is none; a reader may see a half of it for a moment.
+/// Copies to a path that does not exist yet; a concurrent reader may see a partial file.
 fn copy_new(from: &Path, to: &Path) -> Result<bool> {
     let content = std::fs::read(from).map_err(Error::writing(to))?;
     let mut file = match File::create_new(to) {
@@ -55,14 +56,14 @@ fn copy_new(from: &Path, to: &Path) -> Result<bool> {
     };
     let written = file.write_all(&content).and_then(|()| file.sync_all());
     written.map_err(|e| {
-        // The reason to report is that of the write.
+        // The error to report is that of the write, not of this clean-up.
         let _ = std::fs::remove_file(to);
         Error::writing(to)(e)
     })?;
     Ok(true)
 }
 
-/// A whole file beside `path`, on the disk.
+/// Writes a complete temporary file in the folder of `path` and syncs it to the disk.
 fn temporary(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,

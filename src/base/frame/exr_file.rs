@@ -1,4 +1,4 @@
-//! Frames as OpenEXR files: lossless, and open to any other tool.
+//! Frames as OpenEXR files: lossless, readable by other tools.
 
 use super::atomic::write_atomic;
 use super::exr_read::failed;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// One pixel of our files: R, G, B, A, sun.R, sun.G, sun.B, sun.V.
 type ExrPixel = (f32, f32, f32, f32, f32, f32, f32, f32);
 
-/// Writes a frame as a scan-line OpenEXR file of 32-bit floats, ZIP-compressed: every bit comes back.
+/// Writes a frame as a scan-line OpenEXR file of 32-bit floats with lossless ZIP compression.
 ///
 /// One layer: `R`, `G`, `B` (linear radiance, sRGB primaries), `A` (opacity), `sun.R`, `sun.G`, `sun.B` (sun-lit
 /// radiance) and `sun.V` (light transmittance). Atomic: the file is whole or absent.
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
     use exr::prelude::{MetaData, f16, write_rgb_file, write_rgba_file};
 
-    /// A frame whose values use many bits, with the floats that careless code loses.
+    /// A frame of pseudo-random bit patterns, with NaN, infinities, −0, a denormal and the largest float.
     fn difficult() -> Frame {
         let (width, height) = (37, 21);
         let value =

@@ -14,7 +14,7 @@ use std::path::Path;
 /// Most names that a message lists.
 const MAX_NAMES: usize = 20;
 
-/// What the channels of a layer are.
+/// Kind of a layer, by its channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LayerKind {
     /// `R`, `G` and `B`.
@@ -31,13 +31,13 @@ pub(super) struct Layer {
     /// Index of the part.
     pub part: usize,
     part_name: Option<String>,
-    /// What stands before the last dot of the channels' names; empty where there is none.
+    /// Part of the channels' names before the last dot; empty where there is none.
     prefix: String,
     /// Index of each channel in the part, by the last component of its name.
     channels: BTreeMap<String, usize>,
     /// Channels of the sun-lit radiance that belongs to this picture; empty where there are none.
     sun: BTreeMap<String, usize>,
-    /// Whether it is the sun-lit radiance of another layer: found by name only.
+    /// Whether it is the sun-lit radiance of another layer: such a layer is read only when the user names it.
     is_sun: bool,
 }
 
@@ -97,8 +97,8 @@ impl Layer {
     }
 }
 
-/// The layer to read: the one the user named, else the one that the file leaves no doubt about. Also a line for the user
-/// where the file has several layers.
+/// The layer to read: the one the user named, else the default one. Also a note for the user where the file has several
+/// layers.
 pub(super) fn choose(part: &FilePart, headers: &[Header]) -> Result<(Layer, Option<String>)> {
     let path = &part.file;
     let mut layers = list(headers);
@@ -229,7 +229,7 @@ fn by_default(
     Ok((index, Some(format!("{}: {taken}, {why}", shown(path)))))
 }
 
-/// The pictures that can be named, without one of them.
+/// Names of the layers that hold pictures, except `without`; comma-separated.
 fn names_of(layers: &[Layer], without: Option<usize>) -> String {
     let pictures = layers.iter().enumerate();
     let pictures = pictures.filter(|(i, layer)| layer.is_picture() && Some(*i) != without);
@@ -242,7 +242,7 @@ fn names_of(layers: &[Layer], without: Option<usize>) -> String {
     names.join(", ")
 }
 
-/// The error for several pictures none of which stands out.
+/// The error for several pictures of which none was named and none is the default.
 fn none_named(path: &Path, layers: &[Layer], pictures: &[usize]) -> Error {
     let problem = format!(
         "it has {} pictures and none was named: {}",

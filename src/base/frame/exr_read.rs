@@ -17,9 +17,10 @@ use std::path::Path;
 
 /// Bytes of memory that a pixel of a [`Frame`] takes.
 const FRAME_BYTES: u64 = 32;
-/// Bytes of pixels that any file may announce, however well it is compressed.
+/// Bytes of pixels that a header may announce, whatever the size of its file.
 const FREE_BYTES: u64 = 64 << 20;
-/// Bytes of pixels that a byte of a file may announce. ZIP reaches 1032, wavelets more on pictures of one colour.
+/// Bytes of pixels that a header may announce for each byte of its file. ZIP reaches 1032, wavelets more on pictures of
+/// one colour.
 const BYTES_A_BYTE: u64 = 1 << 16;
 
 /// Reads an OpenEXR file as [`super::read_picture`] says.
@@ -153,7 +154,8 @@ fn decode(
     windows: &Windows,
 ) -> exr::error::Result<Frame> {
     let size = windows.display.size;
-    // Two fresh planes, not a clone: zeroed pages cost nothing until a pixel arrives, even if the header lied.
+    // Two fresh planes, not a clone: zeroed pages cost nothing until written, even if the header announces too many
+    // pixels.
     let plane = || vec![[0.0; 4]; size.area()];
     let frame = Frame {
         width: size.x() as u32,

@@ -1,4 +1,4 @@
-//! Pictures of any kind that the program reads.
+//! Reads a picture to compare, EXR or PNG, into a [`Frame`].
 
 use super::exr_read::read_exr;
 use super::png_file::read_png;
@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::file_part::FilePart;
 use std::path::Path;
 
-/// A picture as read from a file, and what was decided on the way.
+/// A picture read from a file, with notes on how it was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureFile {
     /// The pixels.

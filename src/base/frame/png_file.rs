@@ -1,4 +1,4 @@
-//! Pictures as PNG files: written for people, read for comparisons.
+//! PNG files: written as 8-bit sRGB for viewing, read with 8 or 16 bits for comparisons.
 
 use super::atomic::write_atomic;
 use super::{Frame, MAX_PIXELS, check_backed, check_size, shown};
@@ -92,7 +92,7 @@ fn position(value: f32, scale: f32) -> f32 {
     }
 }
 
-/// The map at a position in `[−1, 1]`.
+/// Colour of [`FALSE_COLOUR_STOPS`] at a position in `[−1, 1]`.
 fn colour_at(position: f32) -> [u8; 3] {
     let above = FALSE_COLOUR_STOPS.partition_point(|(at, _)| *at < position);
     let upper = above.min(FALSE_COLOUR_STOPS.len() - 1);

@@ -36,9 +36,10 @@ impl Exposure {
 
 /// Tone-mapped 8-bit sRGB of the radiance, three bytes a pixel, rows from the top.
 ///
-/// Each channel x = exposure · radiance goes through `x(1 + x/W²)/(1 + x)` with W = 4, clamped to `[0, 1]` (Reinhard
-/// et al. 2002, eq. 4; here by channel, so that the peak is 1 for every hue), then through the sRGB transfer (IEC 61966-2-1:1999). Monotone. Negative light is black. A
-/// pixel with a NaN or infinite channel is magenta: it is an error to be seen and counted.
+/// Each channel x = exposure · radiance goes through `x(1 + x/W²)/(1 + x)` with W = 4, clamped to `[0, 1]` (Reinhard et
+/// al. 2002, eq. 4; here by channel, so that the peak is 1 for every hue), then through the sRGB transfer (IEC
+/// 61966-2-1:1999). Monotone. Negative radiance is black. A pixel with a NaN or infinite channel is magenta, so that
+/// the error is seen.
 pub fn tone_map(frame: &Frame, exposure: Exposure) -> Vec<u8> {
     let map = |&[r, g, b, _]: &[f32; 4]| {
         if [r, g, b].into_iter().any(is_nonfinite) {

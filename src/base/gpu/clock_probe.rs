@@ -1,4 +1,5 @@
-//! A fixed piece of work whose time tells how fast the device runs at the moment: `shaders/clock_probe.wgsl`.
+//! Clock probe: a fixed amount of arithmetic whose GPU time tells the device's present clock
+//! (`shaders/clock_probe.wgsl`).
 
 use super::context::Gpu;
 use super::kernel::{Inputs, Kernel, Resource};
@@ -13,16 +14,17 @@ const ROW_THREADS: u32 = 1 << 17;
 const MOST_ROWS: u32 = 1 << 15;
 /// Least duration of a probe, ms: long beside what a dispatch costs to start, short beside a round.
 const PROBE_MS: f64 = 2.0;
-/// Work in flight, ms: a device that sees less in its queue may take a rest.
+/// Work kept in flight, ms: with less of it queued a device may lower its clock.
 const IN_FLIGHT_MS: f64 = 200.0;
-/// The same on a software adapter, whose processor never rests here: enough that short frames are not timed one by one.
+/// Work kept in flight on a software adapter, ms: its clock does not depend on the queue, so that this only has to be
+/// enough to time several short frames together.
 const SOFTWARE_IN_FLIGHT_MS: f64 = 50.0;
 /// Probes in flight for one reading between rounds.
 const READING_PROBES: u32 = 8;
-/// Medians of as many flights that must agree.
+/// Number of consecutive flights whose medians must agree.
 const SETTLED_FLIGHTS: usize = 4;
-/// Relative difference of medians that is no drift, also where a flight's own repeats agree better; and the most that is
-/// allowed to an adapter whose repeats agree no better.
+/// Relative difference of medians that always counts as settled, even where repeats within a flight agree better; also
+/// the largest difference allowed on an adapter whose repeats agree no better.
 const SETTLED_WITHIN: f64 = 0.02;
 const NOISE_WITHIN: f64 = 0.1;
 /// Longest wait for the clock, s: a laptop that cools its GPU for minutes must not hold a batch.
@@ -35,21 +37,21 @@ pub struct ClockProbe {
     rows: u32,
 }
 
-/// What it took until the clock had settled.
+/// Result of [`ClockProbe::settle`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WarmUp {
-    /// Time of the probe then, read as it is read between rounds, ms.
+    /// Time of the probe at the end of the wait, measured as between rounds, ms.
     pub probe_ms: f64,
-    /// Work of the probe, rows of 131072 threads.
+    /// Size of the probe, rows of 131 072 threads.
     pub rows: u32,
-    /// Medians of the last flights agreed; else the wait was given up.
+    /// Medians of the last flights agreed; `false`: the wait ended at its time limit.
     pub settled: bool,
-    /// How long it took, s.
+    /// Length of the wait, s.
     pub seconds: f64,
 }
 
 impl ClockProbe {
-    /// Compiles the probe and chooses how much work it is on this device.
+    /// Compiles the probe and chooses its size for this device.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let kernel = Kernel::new(
             gpu,
@@ -70,8 +72,8 @@ impl ClockProbe {
             groups,
             rows: 1,
         };
-        // The first run pays for what the driver puts off until then. What fits a device at rest is too little for one that
-        // has woken up: so the size is settled in flights of full length.
+        // The first run includes work that the driver defers until then. A size chosen on an idle device, whose clock
+        // is low, is too small once the clock has risen: the size is chosen in flights of full length.
         probe.fly(gpu, 1)?;
         while probe.rows < MOST_ROWS && median(&probe.fly(gpu, READING_PROBES)?) < PROBE_MS {
             probe.rows *= 2;
@@ -133,7 +135,7 @@ impl ClockProbe {
     }
 }
 
-/// Work that is handed to a device before waiting for it, ms.
+/// Work that is submitted to a device before waiting for it, ms.
 pub fn in_flight_ms(gpu: &Gpu) -> f64 {
     match gpu.is_software() {
         true => SOFTWARE_IN_FLIGHT_MS,
@@ -141,7 +143,7 @@ pub fn in_flight_ms(gpu: &Gpu) -> f64 {
     }
 }
 
-/// Probes that are as much work as is kept in flight.
+/// Number of probes of `probe_ms` each that fill [`in_flight_ms`], 1…1000.
 fn full_flight(gpu: &Gpu, probe_ms: f64) -> u32 {
     (in_flight_ms(gpu) / probe_ms).ceil().clamp(1.0, 1000.0) as u32
 }
@@ -160,13 +162,13 @@ fn is_settled(flights: &[Vec<f64>]) -> bool {
     most(&medians) - least(&medians) <= allowed * least(&medians)
 }
 
-/// Width of the middle half of a sample.
+/// Interquartile range of a sample.
 fn middle_half(times: &[f64]) -> f64 {
     let sorted = sorted(times);
     sorted[sorted.len() * 3 / 4] - sorted[sorted.len() / 4]
 }
 
-/// A flight has at least one time.
+/// Median of a flight's times; a flight has at least one.
 fn median(times: &[f64]) -> f64 {
     sorted(times)[times.len() / 2]
 }

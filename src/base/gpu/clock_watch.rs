@@ -1,11 +1,11 @@
-//! How fast a device runs while it is measured: the probe and, where there are any, its own readings.
+//! Clock of a device while it is measured: the time of the probe and, with NVML, the device's own readings.
 
 use super::clock_probe::{ClockProbe, WarmUp};
 use super::clocks::{ClockReader, ClockReading};
 use super::context::Gpu;
 use crate::error::Result;
 
-/// Watches one device.
+/// Clock probe and clock reader of one device.
 pub struct ClockWatch {
     probe: ClockProbe,
     reader: Option<ClockReader>,
@@ -30,7 +30,7 @@ impl ClockWatch {
         self.probe.read_ms(gpu)
     }
 
-    /// What the device says of itself now; `None` where nothing asks it.
+    /// Clocks, power and throttling as the device reports them now; `None` without NVML.
     pub fn reading(&self) -> Option<ClockReading> {
         self.reader.as_ref().map(ClockReader::read)
     }

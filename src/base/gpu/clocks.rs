@@ -1,5 +1,5 @@
-//! Clocks, power and throttling of an NVIDIA device, read through its management library (NVML) where that is found at run
-//! time. Nothing is linked and nothing is required: elsewhere there are no readings.
+//! Clocks, power and throttling of an NVIDIA device, read through its management library (NVML) where that is found at
+//! run time. The library is neither linked nor required: without it there are no readings.
 
 use nvml_wrapper::Nvml;
 use nvml_wrapper::enum_wrappers::device::Clock;
@@ -17,7 +17,7 @@ pub struct ClockReader {
     bus_id: String,
 }
 
-/// One reading; `None` for what the device does not tell.
+/// One reading; `None` for what the device does not report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClockReading {
     /// Clock of the streaming multiprocessors, MHz.
@@ -88,7 +88,7 @@ impl ClockReader {
 }
 
 impl Clocks {
-    /// Over several readings; `None` where there are none.
+    /// Summary of several readings; `None` where there are none.
     pub fn over(readings: &[ClockReading]) -> Option<Self> {
         let extent = |of: fn(&ClockReading) -> Option<f64>| {
             Extent::over(readings.iter().filter_map(of).collect())
@@ -105,7 +105,7 @@ impl Clocks {
 }
 
 impl Extent {
-    /// `None` of nothing.
+    /// Extent of the values; `None` where there are none.
     fn over(mut values: Vec<f64>) -> Option<Self> {
         values.sort_by(f64::total_cmp);
         Some(Self {

@@ -14,7 +14,7 @@ const NO_ADAPTER_REMEDY: &str = "Install a Vulkan driver for your GPU, or a soft
 
 /// One open device.
 pub struct Gpu {
-    /// What the adapter came from: a window on the same device needs both.
+    /// The instance that the adapter came from: a window on the same device needs both.
     pub instance: wgpu::Instance,
     /// The adapter.
     pub adapter: wgpu::Adapter,
@@ -22,7 +22,7 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// The only queue of the device.
     pub queue: wgpu::Queue,
-    /// What the driver says of itself.
+    /// Adapter and driver as wgpu describes them.
     pub info: wgpu::AdapterInfo,
     /// Text of the shaders that its kernels are composed of.
     pub sources: Sources,
@@ -32,7 +32,7 @@ pub struct Gpu {
     compile_us: AtomicU64,
 }
 
-/// A line of `occlab adapters`.
+/// One adapter, as `occlab adapters` lists it.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct AdapterSummary {
     /// Name; `--adapter` matches any part of it, ignoring case.
@@ -74,7 +74,7 @@ pub fn list_adapters() -> Vec<AdapterSummary> {
         .collect()
 }
 
-/// The adapter whose name holds `wanted`; without a wish, the fastest kind.
+/// The adapter whose name holds `wanted`; without a name, the fastest kind.
 fn choose(instance: &wgpu::Instance, wanted: Option<&str>) -> Result<wgpu::Adapter> {
     let rank = |a: &wgpu::Adapter| match a.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
@@ -171,7 +171,8 @@ impl Gpu {
         })
     }
 
-    /// The first error the driver reported of this thread's calls since the last call, if any; a lost device always.
+    /// The first error that the driver reported for calls of this thread since the last check; a lost device is
+    /// reported every time.
     pub fn check(&self) -> Result<()> {
         let mut noted = None;
         note(&self.failures, |failures| {
@@ -192,9 +193,9 @@ impl Gpu {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// The adapter is gone: nothing on this device will ever finish again.
+    /// Whether the device is lost: no work on it will ever finish again.
     pub fn is_lost(&self) -> bool {
-        // Some losses are only reported while somebody polls; whether this poll succeeds says nothing more.
+        // Some losses are reported only during a poll; the result of this poll itself does not matter.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.lost.load(Relaxed)
     }
@@ -285,7 +286,7 @@ impl Gpu {
     }
 }
 
-/// What the driver reported outside of calls. A window may use the device on another thread: its errors are its own.
+/// Errors that the driver reported outside of calls, by thread: a window may use the device on a thread of its own.
 #[derive(Default)]
 struct Failures {
     /// The first error of each thread's calls.
@@ -294,7 +295,7 @@ struct Failures {
 }
 
 fn note(failures: &Mutex<Failures>, act: impl FnOnce(&mut Failures)) {
-    // A poisoned lock only means that another report panicked half-way: what is there is still whole.
+    // A poisoned lock only means that another report panicked half-way: the map is still consistent.
     act(&mut failures
         .lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner));

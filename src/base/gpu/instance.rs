@@ -56,10 +56,11 @@ mod headless {
                 extensions.retain(|name| !WINDOW_SYSTEMS.contains(name));
             },
         );
-        // SAFETY: Vulkan asks for no more than that the loader is sound, as it must be for wgpu's own call. The callback
-        // only takes names away. wgpu asks callers not to because it takes what is available for enabled; of these three
-        // it does so nowhere: each is looked up among the enabled ones before a surface is made, its only use, and is an
-        // error if it is missing. VK_KHR_surface, which devices' swapchain extension requires, stays.
+        // SAFETY: Vulkan asks for no more than that the loader is sound, as it must be for wgpu's own call. The
+        // callback only removes extension names. wgpu asks callers not to, because it assumes that what is available is
+        // enabled; for these three it makes no such assumption: each is looked up among the enabled ones before a
+        // surface is made, its only use, and is an error if it is missing. VK_KHR_surface, which devices' swapchain
+        // extension requires, stays.
         let instance =
             unsafe { vulkan::Instance::init_with_callback(&descriptor, Some(without_windows)) };
         // SAFETY: the instance was just made, nothing else holds it, and wgpu may destroy it.

@@ -10,7 +10,7 @@ use naga::AddressSpace;
 use std::collections::{BTreeMap, HashMap};
 use std::time::Instant;
 
-/// Something to bind.
+/// A resource to bind.
 #[derive(Clone)]
 pub enum Resource {
     /// Uniform or storage buffer.
@@ -21,7 +21,7 @@ pub enum Resource {
     Sampler(wgpu::Sampler),
 }
 
-/// What kernels may bind, by WGSL variable name; a kernel takes what it declares.
+/// Resources and uniform values by WGSL variable name; a kernel binds those that it declares.
 #[derive(Clone, Default)]
 pub struct Inputs {
     resources: HashMap<&'static str, Resource>,
@@ -70,7 +70,7 @@ impl Kernel {
         Self::of(gpu, &gpu.sources, program, None)
     }
 
-    /// The same from these shaders; `point` is one of several entry points.
+    /// [`Kernel::new`] with other shader texts; `point` names one of several entry points.
     pub fn of(
         gpu: &Gpu,
         sources: &Sources,

@@ -1,4 +1,4 @@
-//! What Mesa's software Vulkan driver needs done to a shader before it sees it.
+//! Work-around for Mesa's software Vulkan driver: uniforms become private copies of storage buffers.
 
 use naga::{
     AddressSpace, Arena, Block, Expression, GlobalVariable, Handle, Module, Range, Span, Statement,
@@ -9,8 +9,8 @@ use naga::{
 /// variable first.
 ///
 /// Lavapipe (seen in 22.3) inlines uniform loads into shaders and overruns a fixed array while it does so, which
-/// corrupts its stack and heap; it also recompiles whenever a value changes. Storage buffers it leaves alone, but it
-/// reads them lane by lane at every use: hence the copy. Other drivers see what the files say.
+/// corrupts its stack and heap; it also recompiles whenever a value changes. It does not inline storage buffers, but
+/// reads them lane by lane at every use: hence the copy. Other drivers get the shaders unchanged.
 pub(super) fn uniforms_as_private_copies(module: &mut Module) {
     let uniforms: Vec<_> = module
         .global_variables

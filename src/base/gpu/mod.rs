@@ -1,4 +1,4 @@
-//! Everything that knows wgpu and is not a pass: the device, shader composition, kernels bound by name, timing, read-back.
+//! The wgpu layer below the passes: device, shader composition, kernels bound by name, timing, read-back.
 
 mod clock_probe;
 mod clock_watch;

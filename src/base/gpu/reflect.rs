@@ -1,4 +1,4 @@
-//! What a composed module binds, read from it.
+//! Reflection: the bindings of a composed shader module.
 
 use super::uniform::{Leaf, struct_leaves};
 use crate::error::{Error, Result};
@@ -16,7 +16,7 @@ pub(super) struct Binding {
     pub size: u32,
 }
 
-/// A shader that the lab cannot run.
+/// The error for a shader that the lab cannot run.
 pub(super) fn unusable(file: &str, message: impl Into<String>) -> Error {
     Error::Shader {
         file: format!("shaders/{file}"),

@@ -1,7 +1,8 @@
 //! Shader composition: WGSL files with `#import`, `#ifdef` and `#{NAME}`, resolved by naga_oil.
 //!
-//! Modules are named by their file (`map` is `shared/map.wgsl`). A program is an entry file plus roles that say which file plays a role (`container`, `density`, `occlusion`), so
-//! that every pipeline is specialised and holds no code of a feature its scene or method does not use.
+//! Modules are named by their file (`map` is `shared/map.wgsl`). A program is an entry file plus roles that say which
+//! file plays a role (`container`, `density`, `occlusion`), so that every pipeline is specialised and holds no code of
+//! a feature its scene or method does not use.
 
 use crate::error::{Error, REPORT, Result};
 use crate::shader_defs::Defs;
@@ -25,7 +26,7 @@ pub struct Program<'a> {
     pub defs: Defs,
 }
 
-/// The folder, compiled in.
+/// The folder `shaders`, compiled in.
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../shaders");
 
 /// Path and text of every shader in a folder and below.
@@ -42,7 +43,8 @@ fn files(folder: &'static Dir<'static>) -> Vec<(&'static str, &'static str)> {
 pub struct Sources {
     /// The program's own, below `shaders/`.
     own: BTreeMap<&'static str, Cow<'static, str>>,
-    /// Others: only a role takes one, so that their names need not differ from those of shared modules.
+    /// Added files by path: used only where a role or an entry names them, so that their names may equal those of
+    /// shared modules.
     added: BTreeMap<String, String>,
 }
 
@@ -68,7 +70,7 @@ impl Sources {
         Ok(())
     }
 
-    /// The same with the text of one more file; one that is there already stays as it is.
+    /// These sources with the text of one more file; a file that exists under `path` is kept.
     pub fn with(&self, path: &'static str, text: &'static str) -> Self {
         let mut all = self.clone();
         if !all.own.contains_key(path) {
@@ -77,7 +79,7 @@ impl Sources {
         all
     }
 
-    /// The same files, read from a folder of the same layout: what a development build reloads.
+    /// The program's own files read from a folder of the same layout, for reloading in a development build.
     pub fn read(folder: &Path) -> Result<Self> {
         let read = |path: &'static str| {
             let file = folder.join(path);
@@ -101,7 +103,7 @@ impl Sources {
             })
     }
 
-    /// The same error; of the program's own shaders it says that this is a defect.
+    /// `error`, with a request to report it as a defect where these are the program's own, unchanged shaders.
     pub fn blame(&self, error: Error) -> Error {
         match error {
             Error::Shader { file, message } if *self == Self::embedded() => Error::Shader {
@@ -112,7 +114,7 @@ impl Sources {
         }
     }
 
-    /// Hash of every file: what makes a cached picture stale when a formula changes.
+    /// Hash of every path and text: a picture cached under another hash is stale.
     pub fn hash(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();
         let own = self.own.iter().map(|(path, text)| (*path, text.as_ref()));
@@ -133,13 +135,13 @@ pub fn compose(sources: &Sources, program: &Program) -> Result<naga::Module> {
     compose_point(sources, program, None)
 }
 
-/// The same for a file with several entry points: of one of them.
+/// [`compose`] for `point`, one of several entry points of the file.
 pub fn compose_point(
     sources: &Sources,
     program: &Program,
     point: Option<&str>,
 ) -> Result<naga::Module> {
-    // The device decides whether it has them: see what it says of a texture's format.
+    // Allowed here whether or not the device has them: support is checked for each texture format.
     let optional = naga::valid::Capabilities::STORAGE_TEXTURE_16BIT_NORM_FORMATS;
     let capabilities = naga::valid::Capabilities::default() | optional;
     let mut loader = Loader {
@@ -283,7 +285,7 @@ mod tests {
         let before = sources.hash();
         let text = "fn density(p: vec3f) -> f32 { return p.y; }\n\
                     fn empty_distance(p: vec3f) -> f32 { return -1.0; }\n";
-        // Called like the shared module that every march imports.
+        // Has the name of the shared module that every march imports.
         let path = String::from("home/medium.wgsl");
         sources.add(&path, text).unwrap();
         assert_eq!(sources.text(&path).unwrap(), text);

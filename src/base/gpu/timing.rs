@@ -1,6 +1,6 @@
-//! GPU time of compute passes, by timestamp queries at their begin and end, for work that is handed over without waiting.
+//! GPU time of compute passes, by timestamp queries at their begin and end, for work that is submitted without waiting.
 //!
-//! A device that idles between two passes lowers its clock, and a pass of a millisecond then measures the clock. So work
+//! A device that idles between two passes lowers its clock, and a pass of 1 ms then measures that lower clock. So work
 //! is put into a [`Flight`]: many submissions, one wait at the end, and only then the times are read.
 
 use super::context::Gpu;
@@ -16,8 +16,8 @@ const SPANS_A_SUBMISSION: usize = 16;
 const SUBMISSIONS_A_SET: usize = 4096 / (2 * SPANS_A_SUBMISSION);
 const SLOT_QUERIES: u32 = 2 * SPANS_A_SUBMISSION as u32;
 const SLOT_BYTES: u64 = SLOT_QUERIES as u64 * 8;
-/// By how much times of the device's clock may exceed those of the processor's before they are not believed: clocks
-/// drift apart by parts in a million, and reading the processor's own takes microseconds.
+/// Relative excess of GPU times over CPU times above which timestamps are refused: clocks drift apart by parts in a
+/// million, and reading the CPU's clock takes microseconds.
 const CLOCK_TOLERANCE: f64 = 0.01;
 
 /// Timestamp queries of a device, for one flight at a time.
@@ -34,7 +34,7 @@ struct QuerySet {
 }
 
 impl Timer {
-    /// Without queries yet: they are made as flights need them.
+    /// A timer without query sets: they are made as flights need them.
     pub(super) fn new() -> Self {
         Self {
             sets: RefCell::default(),
@@ -75,7 +75,7 @@ struct Place {
     index: usize,
 }
 
-/// Work handed to the device without waiting.
+/// Work submitted to the device without waiting.
 pub struct Flight<'g> {
     gpu: &'g Gpu,
     encoder: Option<wgpu::CommandEncoder>,
@@ -87,7 +87,7 @@ pub struct Flight<'g> {
     start: Instant,
 }
 
-/// What a flight took.
+/// Times of a finished flight.
 pub struct FlightTimes {
     /// From the flight's begin to the end of its work, seen from the CPU, ms.
     pub wall_ms: f64,
@@ -177,7 +177,7 @@ impl<'g> Flight<'g> {
         Span(self.spans.len() - 1)
     }
 
-    /// Hands over what was recorded; later dispatches go into another submission.
+    /// Submits what was recorded; later dispatches go into another submission.
     pub fn submit(&mut self) {
         let Some(mut encoder) = self.encoder.take() else {
             return;
@@ -196,7 +196,7 @@ impl<'g> Flight<'g> {
         self.spans_of_submission = 0;
     }
 
-    /// Hands over the rest and waits for all of it; `meanwhile` is called between the two, when most of a long flight is
+    /// Submits the rest and waits for all of it; `meanwhile` is called between the two, when most of a long flight is
     /// still to be done.
     pub fn finish(mut self, meanwhile: impl FnOnce()) -> Result<FlightTimes> {
         self.submit();
@@ -235,7 +235,7 @@ impl<'g> Flight<'g> {
 }
 
 impl Place {
-    /// In its set.
+    /// Index of the span's first query in its set.
     fn first_query(self) -> u32 {
         (self.submission % SUBMISSIONS_A_SET) as u32 * SLOT_QUERIES + 2 * self.index as u32
     }
@@ -255,10 +255,10 @@ impl FlightTimes {
     }
 }
 
-/// Durations of spans that were submitted after the timestamp `after` and ran within `wall_ms`. Timestamps of a span that is
-/// 0, reversed, longer than that or from before are invalid: Metal reports such of empty passes, AMD's driver of queries
-/// that it did not write. Where all spans together are longer than the wall time, although one queue runs them one after
-/// the other, none of them is believed.
+/// Durations, ms, of spans that were submitted after the timestamp `after` and ran within `wall_ms`. Timestamps of a
+/// span that are 0, reversed, further apart than that or earlier than `after` are invalid: Metal reports such of empty
+/// passes, AMD's driver of queries that it did not write. Where all spans together are longer than the wall time,
+/// although one queue runs them one after the other, all of them are refused.
 fn spans_ms(ticks: &[[u64; 2]], after: u64, tick_ms: f64, wall_ms: f64) -> Vec<Option<f64>> {
     let limit_ms = wall_ms * (1.0 + CLOCK_TOLERANCE);
     let span_ms = |[begin, end]: &[u64; 2]| {

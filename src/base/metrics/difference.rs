@@ -5,7 +5,7 @@ use super::{CLOUD_OPACITY, check_pair};
 use crate::error::Result;
 use crate::frame::{Frame, false_colour, is_nonfinite, luminance};
 
-/// ΔL / mean L that gets the end colours of a difference picture: one scale everywhere.
+/// |ΔL| / mean L at the end colours of a difference picture: the same scale for every picture.
 pub const DIFF_SCALE: f32 = 1.0;
 
 /// The signed error of `test` as RGB, three bytes a pixel: [`delta_luminance`] in false colours that end at

@@ -49,7 +49,7 @@ impl Flicker {
         Ok(())
     }
 
-    /// The number; an [`Error::Input`] when no pixel shows the cloud in two consecutive frames.
+    /// The flicker, ≥ 0; an [`Error::Input`] when no pixel shows the cloud in two consecutive frames.
     pub fn value(&self) -> Result<f64> {
         if self.changes == 0 {
             return refuse("no pixel shows the cloud in two consecutive frames");

@@ -1,4 +1,4 @@
-//! What a picture put together from several frames differs from a full one.
+//! Ghosting: error of a picture reconstructed from several frames against one of which every pixel was marched.
 
 use super::linear::readable;
 use super::{CLOUD_OPACITY, check_pair, mean_sun};

@@ -125,7 +125,7 @@ fn cloud_pairs<'a>(
         .map(|((opacity, truth), value)| (opacity, *truth, value.map(readable)))
 }
 
-/// A channel of the test as it enters the sums: NaN and infinity are no light.
+/// A channel of the test as it enters the sums: NaN and infinity count as 0.
 pub(super) fn readable(value: f32) -> f64 {
     if is_nonfinite(value) {
         0.0

@@ -1,4 +1,4 @@
-//! What a number is beside its value: name, unit, definition, how it is written, where it comes from.
+//! Description of an error number: name, unit, definition, number format, origin.
 
 use super::ErrorNumbers;
 
@@ -47,18 +47,18 @@ pub enum Group {
     Size,
     /// Signs, extremes and places of the error, in linear light.
     Linear,
-    /// The difference as it is seen.
+    /// The difference of the tone-mapped pictures.
     Perceptual,
     /// The error in motion.
     Motion,
-    /// Whether the picture is a picture at all.
+    /// NaN and infinite values.
     Validity,
 }
 
-/// What has to be rendered for an error number.
+/// Renders that an error number needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// The picture and its truth: [`super::compare`] knows it.
+    /// The picture and its truth: computed by [`super::compare`].
     Pair,
     /// Also the picture with an uncompressed map.
     Floor,
@@ -160,7 +160,7 @@ macro_rules! error_numbers {
         }
 
         impl ErrorNumbers {
-            /// What two pictures tell; the other numbers are absent.
+            /// The numbers that follow from one picture and its truth; the others are absent.
             pub(super) fn of_pair(pair: &Pair<'_>) -> Self {
                 Self {
                     $($key: error_numbers!(@value pair, $from $(($measure))?),)+

@@ -39,13 +39,13 @@ use pair::Pair;
 /// Opacity above which a pixel of the reference is a cloud pixel.
 pub const CLOUD_OPACITY: f32 = 0.01;
 
-/// Opacity up to which a cloud pixel of the reference is an edge pixel: cloud that one still sees through.
+/// Opacity up to which a cloud pixel of the reference is an edge pixel: translucent cloud.
 pub const EDGE_OPACITY: f32 = 0.9;
 
-/// What [`compare`] finds.
+/// Result of [`compare`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// The numbers; those that one picture cannot tell (every [`Origin`] but [`Origin::Pair`]) are `None`.
+    /// The numbers; those that need further renders (every [`Origin`] but [`Origin::Pair`]) are `None`.
     pub error: ErrorNumbers,
     /// Cloud pixels / pixels, in `(0, 1]`.
     pub cloud_pixel_fraction: f64,

@@ -1,11 +1,11 @@
-//! A picture beside its truth, with what several numbers share.
+//! A picture and its truth, with intermediate results that several error numbers share.
 
 use super::linear::{self, Linear};
 use super::perceptual::{self, Flip};
 use super::{Incomparable, check_pair};
 use crate::frame::{Exposure, Frame, tone_map};
 
-/// Two pictures that can be compared: what the functions of [`super::METRICS`] are given.
+/// Two pictures that can be compared: the argument of the functions of [`super::METRICS`].
 pub(super) struct Pair<'a> {
     /// The truth; finite, with sunlight on cloud pixels.
     pub reference: &'a Frame,
@@ -13,7 +13,7 @@ pub(super) struct Pair<'a> {
     pub test: &'a Frame,
     /// Errors in linear light.
     pub linear: Linear,
-    /// Both as they are seen.
+    /// Both pictures tone-mapped, and their perceived difference.
     pub seen: Seen,
 }
 

@@ -1,4 +1,4 @@
-//! Why pictures cannot be compared, as types: who asks for a comparison decides what each reason means.
+//! Why pictures cannot be compared, as types: the caller of a comparison decides what follows from each reason.
 
 use crate::error::Error;
 
@@ -11,14 +11,14 @@ pub enum Unlit {
     NoSunlight,
 }
 
-/// Why [`super::compare`] has no numbers.
+/// Reason for which [`super::compare`] refuses two pictures.
 #[derive(Debug)]
 pub enum Incomparable {
     /// There is nothing to measure.
     Unlit(Unlit),
-    /// Channels of the reference, of 8 a pixel, that are NaN or infinite: it is no truth.
+    /// Channels of the reference, of 8 a pixel, that are NaN or infinite: it cannot serve as truth.
     NotFinite(u64),
-    /// Pictures that do not fit together.
+    /// Broken pictures, or pictures of different sizes.
     Unfit(Error),
 }
 

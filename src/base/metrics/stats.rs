@@ -1,4 +1,4 @@
-//! Numbers of a sample of times.
+//! Summary statistics of a sample of times.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

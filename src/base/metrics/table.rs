@@ -189,8 +189,7 @@ pub fn arranged() -> Vec<&'static Metric> {
     metrics
 }
 
-/// The row of `key`, for constants of code that shows some numbers only: there a key that does not exist is an error of the
-/// compiler.
+/// The row of `key`; in a constant a key that does not exist is a compile error.
 pub const fn metric(key: &str) -> &'static Metric {
     let mut i = 0;
     while i < METRICS.len() {

@@ -247,7 +247,7 @@ fn window(x: i32, y: i32, width: usize, height: usize) -> IntegerBounds {
     IntegerBounds::new((x, y), (width, height))
 }
 
-/// Every pixel inside both windows has its own coordinates, every other one is nothing.
+/// Every pixel inside both windows has its own coordinates as its value, every other pixel is 0.
 #[test]
 fn a_picture_is_its_display_window_whatever_part_of_it_is_stored() {
     let folder = Folder::new();
