@@ -1,4 +1,4 @@
-//! What is looked at and what is asked of it: density fields, scenes and experiments, read from JSON.
+//! Input of a measurement: density fields, scenes and experiments, read from JSON.
 //!
 //! Part of `occlab`, whose documentation starts with the architecture.
 

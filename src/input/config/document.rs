@@ -1,4 +1,4 @@
-//! A JSON file in memory: its text for places, its value for meaning.
+//! A strict JSON file in memory: its values, and the line and column of each for error messages.
 
 use super::locate::{self, LineCol, MemberPart};
 use super::{shipped, wanted};
@@ -19,17 +19,17 @@ pub const MAX_FILE_BYTES: u64 = 16 << 20;
 
 const SCHEMA_HINT: &str = "`occlab schema` prints what is allowed.";
 
-/// A strict JSON file (UTF-8, no duplicate keys, finite numbers) that can say where each value stands.
+/// A strict JSON file (UTF-8, no duplicate keys, finite numbers) that can tell the line and column of each value.
 #[derive(Clone, Debug)]
 pub struct Document {
     path: PathBuf,
-    /// There is no such file: the text is part of the program.
+    /// Whether the text is compiled into the program; there is then no such file on the disk.
     built_in: bool,
     text: Arc<str>,
     value: Value,
     /// JSON pointer of `value` in the file; empty for a whole file.
     base: String,
-    /// Places whose value stands elsewhere in the file, and where.
+    /// Pointers of values that are written elsewhere in the file, each with the pointer to where it is written.
     origins: Arc<BTreeMap<String, String>>,
 }
 
@@ -73,7 +73,7 @@ impl From<Problem> for Fault {
 }
 
 impl Document {
-    /// Reads at most [`MAX_FILE_BYTES`] of strict JSON; where there is no file of that path, the built-in one.
+    /// Reads at most [`MAX_FILE_BYTES`] of strict JSON; where no file has that path, the built-in one.
     pub fn read(path: &Path) -> Result<Self> {
         let file = match std::fs::File::open(path) {
             Ok(file) => file,
@@ -158,7 +158,7 @@ impl Document {
         self.part(value, pointer)
     }
 
-    /// `value` as a document of its own, which stands at `base` of this file: errors name the places there.
+    /// `value` as a document of its own, placed at pointer `base` of this file: errors name places below `base`.
     pub(super) fn part(&self, value: Value, base: &str) -> Self {
         Self {
             path: self.path.clone(),

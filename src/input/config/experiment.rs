@@ -14,9 +14,10 @@
 //! `"decompose": true` is optional too: each cell's error is split into model, sampling and precision with f64 pictures
 //! that the oracle renders after the timed rounds.
 //!
-//! `reconstruct`, absent = `"full"`: how pictures come about ([`crate::scene::ReconstructionInfo`]). `ghosting`, `"pan"`,
-//! `"dolly"` or both, absent = none: cells whose frames know of those before are compared with their full render in each of
-//! 16 frames of a moving camera ([`CameraTrack`]).
+//! `reconstruct`, absent = `"full"`: reconstructions of pictures from marched pixels
+//! ([`crate::scene::ReconstructionInfo`]). `ghosting`, `"pan"`, `"dolly"` or both, absent = none: cells whose
+//! reconstruction uses earlier frames are compared with their full render in each of 16 frames of a moving camera
+//! ([`CameraTrack`]).
 //!
 //! A scene is a path relative to the experiment file, or that of a built-in scene, or a whole scene written in its place.
 //!
@@ -58,8 +59,8 @@ pub struct Experiment {
     /// Movements along which every cell's flicker is measured after its timed rounds; empty = none. Not an axis of the
     /// matrix: all of them are recorded in one cell.
     pub flicker: Vec<Track>,
-    /// Movements along which ghosting is measured after the timed rounds, of every cell whose frames know of those before;
-    /// empty = none. Not an axis of the matrix either.
+    /// Movements along which ghosting is measured after the timed rounds, for every cell whose reconstruction uses
+    /// earlier frames; empty = none. Not an axis of the matrix either.
     pub ghosting: Vec<CameraTrack>,
     /// Split every cell's error into model, sampling and precision after its timed rounds.
     pub decompose: bool,
@@ -67,8 +68,8 @@ pub struct Experiment {
     pub scenes: Vec<SceneEntry>,
     /// Method settings in file order; checked against the catalogue by [`super::expand`]. Never empty.
     pub methods: Vec<MethodEntry>,
-    /// How pictures come about (each with its pointer in the experiment), the fastest axis of the matrix; checked against the
-    /// catalogue by [`super::expand`]. Empty = every pixel is marched.
+    /// Ids of reconstructions (each with its pointer in the experiment), the fastest axis of the matrix; checked
+    /// against the catalogue by [`super::expand`]. Empty = every pixel is marched.
     pub reconstruct: Vec<(String, Value)>,
     document: Document,
 }
@@ -135,8 +136,8 @@ pub fn parse_experiment(path: &Path, text: String) -> Result<Experiment> {
     from_document(Document::parse(path, text)?)
 }
 
-/// An experiment that `value` describes and that was made of a file `path` which holds `text`: errors name that file, and
-/// their place in it where it has a value of the same pointer.
+/// An experiment described by `value`, which was derived from file `path` with text `text`: errors name that file, and
+/// the place in it where the file has a value at the same pointer.
 pub fn experiment_of(path: &Path, text: String, value: Value) -> Result<Experiment> {
     from_document(Document::parse(path, text)?.part(value, ""))
 }
@@ -199,7 +200,7 @@ fn check_count(document: &Document, pointer: &str, count: u32, remedy: &str) -> 
     Err(document.error(pointer, problem, remedy))
 }
 
-/// The lists at the top multiply: what cannot fit the matrix is refused before it is copied into every scene.
+/// The lists at the top level multiply: what cannot fit the matrix is refused before it is copied into every scene.
 fn check_lists(document: &Document) -> Result<()> {
     let length = |key: &str| match document.value().get(key) {
         Some(Value::Array(list)) => list.len().max(1),
@@ -229,7 +230,7 @@ fn check_lists(document: &Document) -> Result<()> {
     ))
 }
 
-/// One of a few words, or a list without repeats.
+/// One of a few strings, or a list of them without repeats.
 fn distinct<T: DeserializeOwned + JsonSchema + PartialEq>(
     document: &Document,
     pointer: &str,

@@ -1,5 +1,5 @@
-//! Where in a JSON text a JSON pointer (RFC 6901) leads, and the strictness that `serde_json` lacks:
-//! no duplicate keys, no number beyond f64.
+//! Line and column of a JSON pointer (RFC 6901) in a JSON text, and the strictness that `serde_json` lacks: no
+//! duplicate keys, no number beyond f64.
 
 use jsonc_parser::ast::{Object, Value};
 use jsonc_parser::common::Ranged;

@@ -1,4 +1,4 @@
-//! The matrix: every combination an experiment asks for, as views (what is looked at) and cells (how it is shadowed).
+//! The matrix: every combination an experiment asks for, as views (scene, sun, image size) and cells (method settings).
 //!
 //! Order, slowest first: scenes as listed; members of `set` as listed; `sun_elevation_deg`; `view_steps`; `image`;
 //! methods as listed; their parameters as listed; `reconstruct`. The index of a cell counts in that order from 0.
@@ -24,7 +24,7 @@ pub const MAX_CELLS: usize = 100_000;
 pub struct Matrix {
     /// Views in matrix order, no two alike.
     pub views: Vec<MatrixView>,
-    /// Remarks for the person who wrote the file: duplicates that were dropped, parameters without effect.
+    /// Notes for the user: duplicates that were dropped, parameters without effect.
     pub notes: Vec<String>,
 }
 
@@ -50,7 +50,7 @@ pub struct CellSpec {
     pub method: String,
     /// Every parameter of the method that applies, defaults included.
     pub params: Params,
-    /// How its pictures come about.
+    /// Reconstruction of its pictures from the marched pixels.
     pub reconstruct: &'static ReconstructionInfo,
 }
 
@@ -140,7 +140,8 @@ fn check_size(experiment: &Experiment, methods: &[MethodAxes], each: usize) -> R
         .error("", problem, "Shorten the lists or split the experiment."))
 }
 
-/// All method settings of a view, without duplicates: settings that differ in what does not apply are one.
+/// All method settings of a view, without duplicates: settings that differ only in parameters that do not apply are
+/// one.
 fn settings(methods: &[MethodAxes], notes: &mut Vec<String>) -> Result<Vec<(String, Params)>> {
     let (mut seen, mut listed) = (HashSet::new(), HashSet::new());
     let mut all = Vec::new();
@@ -244,8 +245,9 @@ pub(super) fn set(root: &mut Value, pointer: &str, new: &Value) -> Result<(), St
     }
 }
 
-/// Where to report a scene that cannot be used: at the value the experiment sets; in the scene file when that is
-/// broken by itself; else at the value nearest to the fault, or at the entry when good values do not fit together.
+/// The error for a scene that cannot be used. It names the value that the experiment sets; the scene file when that is
+/// invalid by itself; else the set value nearest to the fault, or the entry when values that are valid alone do not fit
+/// together.
 fn blame(
     experiment: &Experiment,
     entry: &SceneEntry,
@@ -293,7 +295,7 @@ fn blame(
     }
 }
 
-/// `name=value` of every parameter, for people.
+/// `name=value` of every parameter, separated by blanks.
 fn params_text(params: &Params) -> String {
     params
         .iter()
@@ -302,7 +304,7 @@ fn params_text(params: &Params) -> String {
         .join(" ")
 }
 
-/// The parameters, and how pictures come about where a frame is not the whole of it.
+/// The parameters, and the reconstruction where it does not march every pixel.
 fn cell_text(cell: &CellSpec) -> String {
     let params = params_text(&cell.params);
     match cell.reconstruct {
@@ -318,7 +320,7 @@ fn set_text(set: &Map<String, Value>) -> String {
         .join(" ")
 }
 
-/// The dry run: one line a cell, then the count and the notes.
+/// Text of the dry run: one line a cell, then the count and the notes.
 pub fn describe(matrix: &Matrix) -> String {
     let header = [
         "cell",

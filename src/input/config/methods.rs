@@ -5,9 +5,9 @@ use super::{locate, suggest};
 use crate::error::Result;
 use crate::param::{ParamSpec, ParamValue, Params};
 
-/// What the configuration must know of the methods.
+/// Ids and parameters of the methods, as the configuration needs them.
 pub trait MethodCatalogue {
-    /// Ids of all methods, in the order they are listed to people.
+    /// Ids of all methods, in the order of lists and menus.
     fn ids(&self) -> Vec<&str>;
     /// Declared parameters of a method; `None` for an unknown id.
     fn params(&self, id: &str) -> Option<Vec<&'static ParamSpec>>;
@@ -29,7 +29,7 @@ impl MethodAxes {
             .fold(1, |n, (_, values)| n.saturating_mul(values.len()))
     }
 
-    /// What to say of listed parameters that have no effect at some settings, or at any.
+    /// Notes on listed parameters that have no effect at some settings, or at any.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for spec in self.specs.iter().filter(|spec| self.lists(spec.name)) {
@@ -66,7 +66,8 @@ impl MethodAxes {
             .into_iter()
     }
 
-    /// Setting `n` of `count`: the first parameter in the file is the slowest. Complete, whether all of it applies or not.
+    /// Setting `n` of `count`: the first parameter in the file varies slowest. Complete: parameters that do not apply
+    /// included.
     pub fn setting(&self, mut n: usize) -> Params {
         let mut params = self.defaults.clone();
         for (name, values) in self.axes.iter().rev() {
@@ -76,13 +77,13 @@ impl MethodAxes {
         params
     }
 
-    /// What of a setting applies.
+    /// The parameters of a setting that apply.
     pub fn applying(&self, setting: &Params) -> Params {
         setting.applying(self.specs.iter().copied())
     }
 }
 
-/// Checks every entry: known method, known parameters, allowed values.
+/// Checks the method settings: known method, known parameters, allowed values.
 pub(super) fn check(
     experiment: &Experiment,
     catalogue: &dyn MethodCatalogue,

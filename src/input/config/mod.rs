@@ -1,11 +1,11 @@
-//! Files people write → checked values: scenes, experiments, the matrix of cells, the JSON Schema of all of them.
+//! Configuration files → checked values: scenes, experiments, the matrix of cells, the JSON Schema of all of them.
 //!
 //! ```text
 //! scene.json ─► Document ─► Scene
 //! experiment.json ─► Document ─► Experiment ─ expand(catalogue) ─► Matrix ─► batch
 //! ```
 //!
-//! The files that ship are part of the program ([`shipped`]): a path where there is no file stands for the built-in one.
+//! The shipped files are compiled into the program ([`shipped`]): a path without a file stands for the built-in one.
 //! Every error names the file, line, column and JSON pointer. No GPU types here.
 
 mod document;
@@ -58,7 +58,7 @@ fn scene_of(value: &serde_json::Value, folder: &Path) -> Result<Scene, Fault> {
     scene.validate()?;
     scene.resolve_paths(folder);
     if scene.input_file().is_some() {
-        // The folder's name is now part of the path.
+        // Checked again: the path now includes the folder's name.
         scene.density.field().validate(&scene.container)?;
     }
     Ok(scene)

@@ -1,4 +1,4 @@
-//! How an experiment's pictures come about, checked against the ways that there are.
+//! The reconstructions that an experiment lists, checked against the registered ones.
 
 use super::experiment::Experiment;
 use super::methods::MethodCatalogue;
@@ -6,9 +6,9 @@ use crate::error::Result;
 use crate::scene::ReconstructionInfo;
 use serde_json::{Value, json};
 
-/// What the configuration must know of everything that is named by an id.
+/// Everything that the configuration names by an id: methods and reconstructions.
 pub trait Catalogue: MethodCatalogue {
-    /// All ways to reconstruct pictures, in the order they are listed to people.
+    /// All reconstructions, in the order of lists and menus.
     fn reconstructions(&self) -> Vec<&'static ReconstructionInfo>;
 }
 
@@ -41,7 +41,7 @@ pub(super) fn check(
     Ok(chosen)
 }
 
-/// Ghosting is what a frame keeps of those before: nobody to measure it.
+/// The error for `ghosting` where no reconstruction uses earlier frames: there is no ghosting to measure.
 fn no_ghosting(
     experiment: &Experiment,
     chosen: &[&ReconstructionInfo],
@@ -56,14 +56,14 @@ fn no_ghosting(
     document.error_at_key("/ghosting", problem, remedy)
 }
 
-/// Schema of one of them.
+/// Schema of the id of a reconstruction.
 pub(super) fn definition(known: &[&ReconstructionInfo]) -> Value {
     let one = |info: &&ReconstructionInfo| json!({"type": "string", "const": info.id, "description": info.doc});
     let all: Vec<Value> = known.iter().map(one).collect();
     json!({"oneOf": all, "description": "From frames to a picture."})
 }
 
-/// What the member of an experiment means.
+/// Schema description of the experiment's member `reconstruct`.
 pub(super) fn description(known: &[&ReconstructionInfo]) -> String {
     let one = |info: &&ReconstructionInfo| format!("`{}`, {}", info.id, info.brief);
     let all: Vec<String> = known.iter().map(one).collect();

@@ -1,4 +1,4 @@
-//! The scenes of an experiment: files or scenes in their place, each with the values that vary in it.
+//! Scenes of an experiment: scene files or inline scenes, each with the values that vary in it.
 
 use super::document::{Document, MAX_FILE_BYTES};
 use super::{locate, shipped};
@@ -39,7 +39,7 @@ struct FileScene {
     set: Map<String, Value>,
 }
 
-/// The scene files, which together may be no larger than one file may be.
+/// Reads the scene files; their total size is limited to that of one file, [`MAX_FILE_BYTES`].
 pub(super) fn scenes(
     document: &Document,
     entries: &[(String, Value)],

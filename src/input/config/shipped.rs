@@ -1,7 +1,7 @@
-//! Experiments, scenes and studies that are part of the program, and what a name on the command line stands for.
+//! Built-in experiments, scenes and studies, and the file that a name on the command line stands for.
 //!
-//! A built-in file has the path that it has in the sources, e.g. `configs/scenes/cumulus.json`. Whoever reads that path
-//! gets the file on disk, or the built-in one where there is none.
+//! A built-in file has the path that it has in the sources, e.g. `configs/scenes/cumulus.json`. Reading that path gives
+//! the file on disk, or the built-in one where there is none.
 
 use super::suggest;
 use crate::error::{Error, Result};
@@ -13,12 +13,12 @@ use std::path::{Component, Path, PathBuf};
 
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../configs");
 
-/// The folder of built-in files, and the one beside the user whose files are taken in their place.
+/// Folder of the built-in files, and the folder below the working directory whose files replace them.
 const ROOT: &str = "configs";
 /// The only file of [`ROOT`] itself that is no experiment.
 const SWEEP: &str = "configs/stability.json";
 
-/// What a name on the command line is the name of.
+/// Kind of file that a name on the command line stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
     /// A scene of `configs/scenes`.
@@ -49,7 +49,7 @@ impl FileKind {
         }
     }
 
-    /// Is a file of [`FileKind::folder`] of this kind?
+    /// Whether a file of [`FileKind::folder`] is of this kind.
     fn holds(self, path: &Path) -> bool {
         let is_sweep = path == Path::new(SWEEP);
         match self {
@@ -60,8 +60,8 @@ impl FileKind {
     }
 }
 
-/// The file that `name` stands for, the first there is of: the file `NAME`, `NAME.json`, `NAME.json` in the folder of its
-/// kind beside the user, and the built-in file of that name.
+/// The file that `name` stands for, the first that exists of: `NAME`, `NAME.json`, `NAME.json` in the folder of its
+/// kind below the working directory, and the built-in file of that name.
 pub fn find(kind: FileKind, name: &Path) -> Result<PathBuf> {
     let mut with_ending = name.as_os_str().to_owned();
     if !is_json(name) {
@@ -100,8 +100,8 @@ fn stem(path: &Path) -> String {
         .into_owned()
 }
 
-/// Every file of a kind by its path: those of the folder beside the user, and the built-in ones that none of them
-/// replaces. Sorted.
+/// Paths of all files of a kind, sorted: those of the folder below the working directory, and the built-in ones that
+/// none of them replaces.
 pub fn list(kind: FileKind) -> Vec<PathBuf> {
     let beside = std::fs::read_dir(kind.folder()).into_iter().flatten();
     let mut paths: Vec<PathBuf> = beside
@@ -147,8 +147,8 @@ pub(super) fn text(path: &Path) -> Option<&'static str> {
     FILES.get_file(inside)?.contents_utf8()
 }
 
-/// The file that a scene's path in an experiment stands for: the file beside the experiment, or the built-in one of
-/// that path or below `configs`.
+/// The file that a scene's path in an experiment stands for: a file relative to the experiment's folder, or the
+/// built-in one of that path, as given or below `configs`.
 pub(super) fn scene_of_experiment(folder: &Path, path: &str) -> Option<PathBuf> {
     let beside = folder.join(path);
     if beside.is_file() || text(&beside).is_some() {
@@ -165,14 +165,14 @@ pub(super) fn scene_paths() -> String {
     names.join(", ")
 }
 
-/// What became of a built-in file that was to be written out.
+/// Result of writing out one built-in file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Copied {
     /// The file is new.
     Written,
-    /// There was one of the same content.
+    /// A file of the same content existed.
     Same,
-    /// There was another, which was left as it is.
+    /// A file of other content existed and was left as it is.
     Kept,
 }
 

@@ -1,4 +1,4 @@
-//! The stability file: small scenes, and the extremes that push one number of them to its limit.
+//! The stability file: small scenes, and cases that set one of their values to an extreme.
 //!
 //! ```json
 //! { "name": "stability", "image": {"width": 12, "height": 8}, "params": {"resolution": 16, "steps": 100},
@@ -7,7 +7,7 @@
 //!   "extremes": [{"group": "extinction, 1/m", "name": "10", "scene": "box", "set": {"/medium/extinction_per_m": 10}}] }
 //! ```
 //!
-//! A volume is written to `inputs/NAME.npy` of the output folder, which is where scenes find it.
+//! A volume is written to `inputs/NAME.npy` of the output folder; scenes name it by that path.
 
 use super::document::{Document, Fault, deserialize};
 use super::methods::MethodCatalogue;
@@ -37,17 +37,17 @@ pub struct Stability {
     pub extremes: Vec<Extreme>,
 }
 
-/// Method parameters by name; they reach the methods that declare them.
+/// Parameters by name; each method takes those that it declares.
 pub type Settings = BTreeMap<&'static str, ParamValue>;
 
 /// One case: a scene at an extreme.
 #[derive(Clone, Debug)]
 pub struct Extreme {
-    /// What is pushed, with its unit.
+    /// Quantity that the case sets, with its unit.
     pub group: String,
-    /// How far.
+    /// Its value, in words.
     pub name: String,
-    /// The scene; the reason where it is refused, as the file says it must be.
+    /// The scene; the reason of the refusal where the file says that it must be refused.
     pub scene: Result<Box<Scene>, String>,
     /// Picture size.
     pub image: ImageSize,
@@ -139,7 +139,7 @@ pub fn load_stability(
     from_document(&Document::read(path)?, folder, catalogue)
 }
 
-/// The same from text; `path` is for messages.
+/// [`load_stability`] from text; `path` is for messages.
 pub fn parse_stability(
     path: &Path,
     text: String,
@@ -258,7 +258,7 @@ fn settings(
     Ok(out)
 }
 
-/// What every case is read with.
+/// What all cases are read with: the file, the methods and the output folder.
 struct Reader<'a> {
     document: &'a Document,
     specs: &'a [&'static ParamSpec],

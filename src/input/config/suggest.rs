@@ -1,6 +1,6 @@
 //! "Did you mean …?" for misspelt names.
 
-/// The candidate nearest to `word`, if it is near enough to be a slip: at most a third of the letters (rounded up) differ.
+/// The candidate nearest to `word`, if it is likely a misspelling: at most a third of the letters (rounded up) differ.
 pub(super) fn closest<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -14,15 +14,15 @@ pub(super) fn closest<'a>(
         .map(|(_, c)| c)
 }
 
-/// A sentence with the suggestion and a following space, or nothing.
+/// `Did you mean …? ` with a trailing space; empty without a suggestion.
 pub fn sentence<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     closest(word, candidates)
         .map(|c| format!("Did you mean `{c}`? "))
         .unwrap_or_default()
 }
 
-/// Edits from `a` to `b`: letters inserted, removed, replaced, or two neighbours swapped; upper and lower case alike.
-/// Words are cut at 64 characters.
+/// Edit distance of `a` and `b`: letters inserted, removed, replaced, or two neighbours swapped; case is ignored. Words
+/// are cut at 64 characters.
 fn distance(a: &str, b: &str) -> usize {
     let [a, b] = [a, b].map(|word| word.chars().take(64).collect::<String>().to_lowercase());
     strsim::osa_distance(&a, &b)

@@ -1,7 +1,7 @@
-//! What a place of a file may hold, in plain words, from the JSON Schema of its type.
+//! Plain-English description of what a place of a file may hold, from the JSON Schema of its type.
 //!
-//! serde says where a value does not fit, but in the words of Rust (`expected struct variant`, `expected f64`): only the
-//! place and the kind of its message are used.
+//! serde's messages say where a value does not fit, but in Rust's terms (`expected struct variant`, `expected f64`):
+//! only their place and kind are used.
 
 use super::document::Fault;
 use super::locate::{self, MemberPart};
@@ -18,7 +18,7 @@ struct Wanted<'a> {
     here: &'a Value,
 }
 
-/// The fault of `value` at `pointer`, of which serde says `message`; `schema` is that of the whole value's type.
+/// The fault of `value` at `pointer`, from serde's `message`; `schema` is that of the whole value's type.
 pub(super) fn fault(schema: &Value, value: &Value, pointer: &str, message: &str) -> Fault {
     let root = Wanted {
         root: schema,
@@ -38,7 +38,7 @@ pub(super) fn fault(schema: &Value, value: &Value, pointer: &str, message: &str)
             .unwrap_or(pointer);
         return unknown(pointer, &name, root.at(parent));
     }
-    // Where a list stands in place of an object, serde takes its elements for members: the list itself is wrong.
+    // Given a list in place of an object, serde reads its elements as members: report the list itself.
     let mut place = pointer;
     while root.at(place).is_none() {
         place = place.rsplit_once('/').map_or("", |(parent, _)| parent);
@@ -95,7 +95,7 @@ fn misfit(pointer: &str, value: &Value, wanted: Option<Wanted<'_>>) -> Fault {
 }
 
 impl<'a> Wanted<'a> {
-    /// What stands for `here` where that is a reference.
+    /// The schema that `here` refers to, where it is a reference.
     fn resolved(self) -> Self {
         let target = self.here["$ref"]
             .as_str()
@@ -110,7 +110,7 @@ impl<'a> Wanted<'a> {
         Self { here, ..self }.resolved()
     }
 
-    /// Alternatives of which one must fit; itself where there are none.
+    /// Alternative schemas (`anyOf`, `oneOf`) of which one must match; only this one where there are none.
     fn alternatives(self) -> Vec<Self> {
         let this = self.resolved();
         let lists = ["anyOf", "oneOf"].map(|key| this.here[key].as_array());
@@ -147,7 +147,7 @@ impl<'a> Wanted<'a> {
         self.here["properties"].as_object()
     }
 
-    /// Names that an object may have here.
+    /// Member names that an object may have here.
     fn fields(self) -> Vec<String> {
         let alternatives = self.alternatives().into_iter();
         let names = alternatives
@@ -156,14 +156,14 @@ impl<'a> Wanted<'a> {
         names.cloned().collect()
     }
 
-    /// Words and names of which one may be written here.
+    /// Strings and member names of which one may be written here.
     fn names(self) -> Vec<String> {
         let mut names = self.fields();
         names.extend(self.alternatives().iter().flat_map(|one| one.constants()));
         names
     }
 
-    /// The texts of which this is one.
+    /// The strings that this schema allows by `const` or `enum`.
     fn constants(self) -> Vec<String> {
         let one = self.here["const"].as_str().into_iter();
         let many = self.here["enum"].as_array().into_iter().flatten();
@@ -184,7 +184,7 @@ impl<'a> Wanted<'a> {
         self.alternatives().iter().any(|one| one.is("array"))
     }
 
-    /// The only name that its objects must and may have: what tells one kind of thing from others.
+    /// The only member that its objects must and may have: it tells one variant from the others.
     fn tag(self) -> Option<&'a str> {
         let properties = self.properties()?;
         let required = self.here["required"].as_array()?;
@@ -195,7 +195,7 @@ impl<'a> Wanted<'a> {
         }
     }
 
-    /// `value` as the only member of an object where that is what is wanted.
+    /// `value` as the only member of such an object, where the schema wants one and the member may be `value`.
     fn wrapped(self, value: &Value) -> Option<String> {
         let alternatives = self.alternatives();
         let [one] = alternatives.as_slice() else {
@@ -216,7 +216,7 @@ impl<'a> Wanted<'a> {
         })
     }
 
-    /// What may stand here; `None` where anything may.
+    /// Description of what is allowed here; `None` where anything is.
     fn words(self) -> Option<String> {
         let all = self.alternatives();
         let constants: Vec<String> = all.iter().flat_map(|one| one.constants()).collect();
@@ -248,7 +248,7 @@ impl<'a> Wanted<'a> {
         (!words.is_empty()).then(|| words.join(or))
     }
 
-    /// The JSON types that it allows; `None` where it names none.
+    /// The JSON types that the schema allows; `None` where it names none.
     fn kinds(self) -> Option<Vec<String>> {
         let types = match &self.here["type"] {
             Value::String(only) => vec![only.as_str()],

@@ -1,4 +1,4 @@
-//! Rays and containers in f64: the same intervals as `shaders/container/*.wgsl`.
+//! Intersection of rays with containers in f64: the intervals of `shaders/container/*.wgsl`.
 
 use super::Container;
 use glam::DVec3;
@@ -59,18 +59,18 @@ impl Container {
             Self::Shell {
                 planet_radius_m: r, ..
             } => {
-                // |p − c| − R without its cancellation: (|p − c|² − R²)/(|p − c| + R).
+                // |p − c| − R without cancellation: (|p − c|² − R²)/(|p − c| + R).
                 (p.length_squared() + 2.0 * r * p.y) / ((p + DVec3::Y * r).length() + r)
             }
         }
     }
 
-    /// Where density fields are defined: horizontal x and z, height as y.
+    /// Coordinates in which density fields are defined, metres: horizontal x and z, height as y.
     pub fn field_point(&self, p: DVec3) -> DVec3 {
         DVec3::new(p.x, self.height_m(p), p.z)
     }
 
-    /// No ray spends more than this inside the container, metres.
+    /// Upper bound of the length of a ray inside the container, metres.
     pub fn longest_path_m(&self) -> f64 {
         match *self {
             Self::Shell {

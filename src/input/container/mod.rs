@@ -1,4 +1,4 @@
-//! Containers: the region a march integrates over.
+//! Containers: the region that a march integrates over.
 
 mod geometry;
 

@@ -1,4 +1,4 @@
-//! What a kind of density field says of itself, and what it is built into.
+//! Interfaces of a kind of density field: its parameters, its device form and its f64 twin.
 
 use super::Density;
 use super::occupancy::Occupancy;
@@ -22,7 +22,7 @@ pub trait DensityField {
     /// WGSL file that evaluates it, path below `shaders/`.
     fn shader(&self) -> Cow<'static, str>;
 
-    /// Definitions that the file is compiled with: its structure at these parameters.
+    /// Shader definitions for the parameters: decks, detail and the like.
     fn defs(&self) -> Defs {
         Defs::new()
     }
@@ -30,8 +30,8 @@ pub trait DensityField {
     /// The field on the device; [`DeviceField::new`] fills in what is the same for all.
     fn build(&self, gpu: &Gpu, around: &Surroundings) -> Result<DeviceField>;
 
-    /// The field in f64 on the CPU, with textures filtered as `filter` says; `None` where there is no such twin, so that
-    /// the oracle refuses scenes with it.
+    /// The field in f64 on the CPU, with textures filtered as `filter` says; `None` where the kind has no twin: the
+    /// oracle then refuses the scene.
     fn twin(
         &self,
         _container: &Container,
@@ -41,41 +41,41 @@ pub trait DensityField {
         Ok(None)
     }
 
-    /// How devices may filter the textures that it reads. More than one where their hardware filters, and each in its own
-    /// way: comparisons then ask the twin for each and take the nearest.
+    /// Texture filterings that devices may use for it. More than one where hardware filters, since each device does it
+    /// in its own way: comparisons then ask the twin for each and take the nearest.
     fn filters(&self) -> &'static [Filter] {
         &[Filter::Exact]
     }
 
-    /// Whether density is the same everywhere, so that the truth needs no small steps.
+    /// Whether density is the same everywhere, so that the truth can take large steps.
     fn is_uniform(&self) -> bool {
         false
     }
 
-    /// The file that it reads. A name in it stands behind a colon: `clouds.npz:density`.
+    /// The file that the field reads; an array in it is named behind a colon: `clouds.npz:density`.
     fn input_file(&self) -> Option<&Path> {
         None
     }
 
-    /// The same, to be changed.
+    /// [`DensityField::input_file`], mutable.
     fn input_file_mut(&mut self) -> Option<&mut PathBuf> {
         None
     }
 
-    /// Seed of its noise.
+    /// Seed of its noise; `None` without noise.
     fn seed_mut(&mut self) -> Option<&mut u32> {
         None
     }
 
-    /// Numbers that the window offers to change, in the order in which they are shown.
+    /// Numbers that the window can change, in the order in which they are shown.
     fn controls(&mut self) -> Vec<Control<'_>> {
         Vec::new()
     }
 
-    /// Fields that between them have every structure of the shader, valid in `container`; none where the kind does not go
-    /// with such a container, but some in a box or in a shell. Clouds of them fill its height, so that they are opaque
-    /// enough to be calibrated when that is a few tens of mean free paths. The last has the most structure. What they read
-    /// is written below `folder`.
+    /// Example fields, valid in `container`, that between them use every variant of the shader; none where the kind
+    /// does not fit such a container, but at least one in a box or in a shell. Clouds in them fill the container's
+    /// height, so that they are opaque enough to be calibrated when it is a few tens of mean free paths. The last has
+    /// the most structure. Files that they read are written below `folder`.
     fn examples(container: &Container, folder: &Path) -> Result<Vec<Self>>
     where
         Self: Sized;
@@ -89,9 +89,9 @@ pub struct DensityKind {
     pub examples: fn(&Container, &Path) -> Result<Vec<Density>>,
 }
 
-/// What a field is built in.
+/// Context in which a field is built.
 pub struct Surroundings<'a> {
-    /// The region that it fills.
+    /// The container that it fills.
     pub container: &'a Container,
     /// Extinction at density 1, m⁻¹.
     pub extinction_per_m: f64,
@@ -109,14 +109,14 @@ pub struct DeviceField {
     pub defs: Defs,
     /// Textures, buffers and uniforms of group 1.
     pub inputs: Inputs,
-    /// What it took to build, for reports.
+    /// Facts of the build, for reports.
     pub built: Built,
     /// Identifies imported data; empty for fields that the scene's JSON determines.
     pub content_hash: String,
 }
 
 impl DeviceField {
-    /// `field` with what its shader binds; no facts, no imported data.
+    /// `field` with the inputs of its shader; without build facts or imported data.
     pub fn new(field: &dyn DensityField, inputs: Inputs) -> Self {
         Self {
             shader: field.shader(),
@@ -128,14 +128,14 @@ impl DeviceField {
     }
 }
 
-/// Facts about a field.
+/// Facts about a field that was built.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Built {
-    /// Time for noise textures, ms of wall time with the queue drained; `None` without noise.
+    /// Wall time to make the noise textures, ms, with the queue drained; `None` without noise.
     pub noise_ms: Option<f64>,
     /// Share of the occupancy grid's cells that are provably empty; `None` without a grid.
     pub empty_fraction: Option<f64>,
-    /// Covered share of each deck as measured after calibration.
+    /// Share of columns that each deck covers, 0…1, measured after calibration.
     pub measured_coverage: Vec<f64>,
 }
 
@@ -144,7 +144,7 @@ pub trait DensityTwin: Send + Sync {
     /// Density at a point inside the container, world metres.
     fn density(&self, p: DVec3) -> f64;
 
-    /// Where it provably is 0; `None` where nothing is known. Made once.
+    /// Occupancy grid of provably empty space; `None` where nothing is known. Made once.
     fn occupancy(&self) -> Option<Occupancy> {
         None
     }

@@ -14,7 +14,7 @@ fn pcg3d(v: [u32; 3]) -> [u32; 3] {
     mix(v.map(|i| i ^ (i >> 16)))
 }
 
-/// Neighbours of a cell along one axis, wrapped: those at −1, 0, 1.
+/// Lattice coordinates −1, 0 and 1 cells from `base` along one axis, wrapped at `period`.
 fn neighbours(base: f64, period: i32) -> [u32; 3] {
     [-1, 0, 1].map(|offset| (base as i32 + offset).rem_euclid(period).cast_unsigned())
 }
@@ -87,7 +87,7 @@ pub fn worley(p: DVec3, period: i32, seed: u32) -> f64 {
     let base = p.floor();
     let f = p - base;
     let [xs, ys, zs] = base.to_array().map(|b| neighbours(b, period));
-    // The own cell first: it makes most of the others too far to matter.
+    // The sample's own cell first: its feature point makes most other cells too far to matter.
     let order = |cells: [u32; 3]| [(0.0, cells[1]), (-1.0, cells[0]), (1.0, cells[2])];
     let mut nearest = f64::INFINITY;
     for (dz, z) in order(zs) {

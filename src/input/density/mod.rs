@@ -1,17 +1,17 @@
-//! The density field: where the dimensionless density in `[0, ∞)` comes from, on the device and in f64.
+//! The density field: dimensionless density in `[0, ∞)` at a point, on the device and in f64.
 //!
 //! A kind of field is one Rust file (or folder), one WGSL file and one entry of the registry at the end of this file:
 //!
-//! - the Rust file holds its parameters as a struct: what a scene says under `"density": {"<name>": {…}}`. JSON, schema
-//!   and located errors follow from the struct; what else there is to say of the kind is its [`DensityField`]: the checks
-//!   of its values, the field on the device, its f64 twin, the file it reads, its seed, the numbers that the window offers,
-//!   and examples, with which the tests compare device and twin;
+//! - the Rust file holds its parameters as a struct, which a scene gives under `"density": {"<name>": {…}}`; JSON,
+//!   schema and located errors follow from the struct. Its [`DensityField`] holds the rest: checks of the values, the
+//!   field on the device, its f64 twin, the file it reads, its seed, the numbers that the window can change, and
+//!   examples, with which the tests compare device and twin;
 //! - `shaders/density/<name>.wgsl` exports `fn density(p: vec3f) -> f32` (p in world metres, inside the container) and
 //!   `fn empty_distance(p: vec3f) -> f32` (a distance around p within which density is provably 0, −1 where it may not
 //!   be: `grid_distance` of an [`Occupancy`](occupancy::Occupancy), or a constant).
 //!
-//! A twin is written from the equations and shares no code with the shader. What it may share with the device path on the
-//! CPU are the bounds of empty space.
+//! A twin is written from the equations and shares no code with the shader. It may share the bounds of empty space with
+//! the CPU part of the device path.
 
 mod field;
 pub mod lattice;
@@ -53,21 +53,21 @@ macro_rules! densities {
                 },
             },)+];
 
-            /// The name of its kind, as JSON has it.
+            /// Name of its kind in JSON.
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Self::$kind(_) => $name,)+
                 }
             }
 
-            /// What its kind does.
+            /// The functions of its kind.
             pub fn field(&self) -> &dyn DensityField {
                 match self {
                     $(Self::$kind(field) => field,)+
                 }
             }
 
-            /// The same, to be changed.
+            /// [`Density::field`], mutable.
             pub fn field_mut(&mut self) -> &mut dyn DensityField {
                 match self {
                     $(Self::$kind(field) => field,)+

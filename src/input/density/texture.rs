@@ -15,7 +15,7 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// In records.
+    /// Name in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -32,10 +32,10 @@ pub struct Texture {
     texels: Vec<[u8; 4]>,
 }
 
-/// Where a sample lies between two texels of an axis.
+/// Position of a sample between two texels of an axis.
 struct Tap {
     index: [usize; 2],
-    /// Share of the second.
+    /// Weight of the second texel.
     weight: f64,
 }
 
@@ -67,7 +67,7 @@ impl Texture {
         self.texels.as_flattened()
     }
 
-    /// `u` in periods.
+    /// The two texels around `u`, in periods, along an axis.
     fn tap(&self, axis: usize, u: f64) -> Tap {
         let n = self.size[axis];
         let position = u * n as f64 - 0.5;
@@ -141,7 +141,7 @@ mod tests {
     fn samples_repeat_across_the_seam() {
         for filter in [Filter::Exact, Filter::EightBit] {
             let texture = ramp(filter);
-            // Exact in binary: shifted by whole periods it is the same point.
+            // Exact in binary: a shift by whole periods gives the same point.
             let p = DVec3::new(0.984375, 0.015625, 0.5);
             assert_eq!(
                 texture.sample_3d(p),

@@ -1,4 +1,4 @@
-//! The same density everywhere.
+//! Density field with the same value everywhere.
 
 use super::{DensityField, DensityTwin, DeviceField, Filter, Surroundings};
 use crate::container::Container;
@@ -12,7 +12,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// A homogeneous medium.
-// Its schema stands in that of `density`, whose text says the same.
+// The schema has no description here: that of `density` says the same.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(inline, description = "")]
@@ -56,7 +56,7 @@ impl DensityField for Uniform {
     }
 }
 
-/// The twin.
+/// Twin of a uniform field.
 struct Everywhere(f64);
 
 impl DensityTwin for Everywhere {

@@ -1,4 +1,4 @@
-//! Short movements of the camera: what ghosting is measured along.
+//! Short movements of the camera, along which ghosting is measured.
 
 use super::{ImageSize, Scene, Track};
 use glam::DVec3;
@@ -65,7 +65,7 @@ impl CameraTrack {
     }
 }
 
-/// A pixel's edge at the distance of the point that moves by one pixel.
+/// Edge of a pixel, metres, at the distance of the point that moves by one pixel a frame.
 fn dolly_step_m(scene: &Scene, image: ImageSize) -> f64 {
     let camera = &scene.camera;
     let (_, half_y) = camera.half_extent(1.0);

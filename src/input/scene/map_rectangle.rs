@@ -1,4 +1,4 @@
-//! Where a light map lies.
+//! Placement of a light map: the rectangle perpendicular to the sun that covers what the camera sees.
 
 use super::{Container, ImageSize, Scene};
 use glam::DVec3;
@@ -14,13 +14,13 @@ pub struct MapRectangle {
     pub origin_m: [f64; 2],
     /// Edge, metres.
     pub extent_m: f64,
-    /// Longest column, metres; 0 when the view seems to see nothing of the layer.
+    /// Longest column, metres; 0 when no ray cast through the view meets the layer.
     pub depth_m: f64,
 }
 
-/// Rays cast through the picture, edges included, to find what the view can see.
+/// Rays cast through the picture along x and y, edges included, to find the visible part of the layer.
 const RAYS: [i32; 2] = [48, 32];
-/// The seen region bulges between rays: room on each side.
+/// Scale of the rectangle: the visible region bulges between the rays.
 const MARGIN: f64 = 1.02;
 
 impl MapRectangle {
@@ -39,7 +39,7 @@ impl MapRectangle {
             return Self {
                 u_axis,
                 v_axis,
-                // Far from everything: what the rays missed is marched and counted, not lit.
+                // Far away: light at points that the rays missed falls back to a counted march.
                 origin_m: [1e30; 2],
                 extent_m: 1.0,
                 depth_m: 0.0,
@@ -117,7 +117,7 @@ fn seen_bounds(
     Some((low, high))
 }
 
-/// Nothing outside a box's own shadow needs texels.
+/// Clips the bounds to the box's projection along the sun: columns outside of it are empty.
 fn clip_to_box(
     low: &mut [f64; 2],
     high: &mut [f64; 2],

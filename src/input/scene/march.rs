@@ -1,4 +1,4 @@
-//! How view rays are sampled: the same for every method and for the truth.
+//! Sampling of view rays: the same for every method and for the truth.
 
 use super::{MAX_MAGNITUDE, Problem, check};
 use schemars::JsonSchema;
@@ -46,7 +46,7 @@ impl March {
     /// Most steps a view ray may take.
     pub const MAX_STEPS: u32 = 4096;
 
-    /// No view ray takes more steps than this.
+    /// Largest number of steps of any view ray.
     pub fn most_steps(&self) -> u32 {
         if self.step_m.is_some() {
             Self::MAX_STEPS
@@ -55,8 +55,8 @@ impl March {
         }
     }
 
-    /// The same with steps of a quarter of the length, to see how much of a picture its own steps lose; `None` when a ray
-    /// of `longest_m` would then take more than [`March::MAX_STEPS`].
+    /// This sampling with steps of a quarter of the length, to measure the discretisation error of the view march;
+    /// `None` when a ray of `longest_m` would then take more than [`March::MAX_STEPS`].
     pub fn quartered(&self, longest_m: f64) -> Option<Self> {
         let steps = self.steps.saturating_mul(4);
         let step_m = self.step_m.map(|step_m| step_m / 4.0);

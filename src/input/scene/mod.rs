@@ -1,4 +1,4 @@
-//! What is looked at, in metres: container, density, medium, sun, sky, camera. Deserialised from `configs/scenes/*.json`.
+//! The scene, in metres: container, density, medium, sun, sky, camera. Deserialised from `configs/scenes/*.json`.
 //!
 //! A feature that a scene does not name has no texture, no binding and no shader code.
 
@@ -91,12 +91,12 @@ impl Scene {
         }
     }
 
-    /// The file that decides what is seen beside the scene itself, if there is one.
+    /// The file that the scene reads beside its own, if there is one: a volume.
     pub fn input_file(&self) -> Option<&Path> {
         self.density.field().input_file()
     }
 
-    /// The same, to be changed.
+    /// [`Scene::input_file`], mutable.
     pub fn input_file_mut(&mut self) -> Option<&mut PathBuf> {
         self.density.field_mut().input_file_mut()
     }
@@ -111,7 +111,7 @@ impl Scene {
     }
 }
 
-/// Names stand in tables, pages, charts and on terminals: they are short and on one line.
+/// Checks a name, which stands in tables, pages, charts and on terminals: it must be short and on one line.
 pub fn check_name(name: &str) -> Result<(), String> {
     if name.is_empty() || name.chars().count() > 200 {
         return Err("the name must have 1 to 200 characters".to_owned());

@@ -1,24 +1,25 @@
-//! Cameras and suns that follow from others: turned, carried, dragged. What would not be valid is left as it was.
+//! Interactive navigation: cameras turned, orbited or moved, the sun dragged or advanced in time. A result that would
+//! be invalid leaves the camera as it was.
 
 use super::{Camera, Container, Scene, Sun};
 use glam::{DQuat, DVec3};
 
 /// Smallest angle between the view direction and up or down, degrees.
 const POLE_DEG: f64 = 1.0;
-/// The sun of a day is never lower, degrees.
+/// Lowest elevation of the sun during a day, degrees.
 const LOWEST_DEG: f64 = 1.0;
-/// What the sun turns in an hour, degrees.
+/// Rotation of the sun in an hour, degrees.
 const DEG_AN_HOUR: f64 = 15.0;
 
 impl Camera {
-    /// The head turned: the target goes round the position, to the right and up, degrees.
+    /// Turns the view: the target moves round the position, to the right and up, degrees.
     pub fn turned(&self, right_deg: f64, up_deg: f64) -> Self {
         let (position, target) = self.ends();
         let ahead = self.swung(target - position, right_deg, up_deg);
         self.if_valid(position, position + ahead)
     }
 
-    /// The position carried round the target, to the right and up, degrees.
+    /// Orbits: the position moves round the target, to the right and up, degrees.
     pub fn orbited(&self, right_deg: f64, up_deg: f64) -> Self {
         let (position, target) = self.ends();
         let ahead = self.swung(target - position, -right_deg, -up_deg);
@@ -37,7 +38,7 @@ impl Camera {
         (DVec3::from(self.position_m), DVec3::from(self.target_m))
     }
 
-    /// `ahead` turned about the up vector, and against it as far as [`POLE_DEG`] allows.
+    /// `ahead` rotated about the up vector, then toward it, no nearer to up or down than [`POLE_DEG`].
     fn swung(&self, ahead: DVec3, right_deg: f64, up_deg: f64) -> DVec3 {
         let Some(pole) = DVec3::from(self.up).try_normalize() else {
             return ahead;
@@ -75,7 +76,8 @@ impl Sun {
         )
     }
 
-    /// The sun some hours later: 15° an hour about the horizontal axis +z, and from sunset to the sunrise opposite.
+    /// The sun some hours later: 15° an hour about the horizontal axis +z; after sunset it continues at the opposite
+    /// sunrise.
     pub fn later(&self, hours: f64) -> Self {
         let angle = (DEG_AN_HOUR * hours).to_radians();
         let mut toward = DQuat::from_axis_angle(DVec3::Z, angle) * self.direction();
@@ -104,7 +106,7 @@ impl Sun {
 }
 
 impl Scene {
-    /// A length that suits a second of flight: a quarter of the layer's height, or of the box's diagonal, metres.
+    /// Distance to fly in a second, metres: a quarter of the layer's height, or of the box's diagonal.
     pub fn pace_m(&self) -> f64 {
         let extent_m = match &self.container {
             Container::Shell { base_m, top_m, .. } => top_m - base_m,

@@ -1,4 +1,4 @@
-//! Which pixels of a picture a frame marches: one of every block.
+//! Pattern of the pixels that a frame marches: one of every block.
 
 use super::ImageSize;
 
@@ -42,7 +42,7 @@ impl Subset {
     }
 }
 
-/// The pixels that consecutive frames march, over and over: the same blocks, a pixel of its own in each frame.
+/// The pixels that consecutive frames march, cyclically: the same blocks, with an offset for each frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pattern {
     /// See [`Subset::block`].
@@ -61,7 +61,7 @@ impl Pattern {
         shear: 0,
     };
 
-    /// Frames until the pattern begins again.
+    /// Length of the cycle, frames.
     pub fn frames(&self) -> usize {
         self.offsets.len()
     }
@@ -75,12 +75,12 @@ impl Pattern {
         }
     }
 
-    /// One pixel in so many is marched in a frame.
+    /// Pixels of a block, of which one is marched in a frame.
     pub fn one_in(&self) -> u32 {
         self.block[0] * self.block[1]
     }
 
-    /// Does each pixel of a block have its frame?
+    /// Whether each pixel of a block is marched in some frame of the cycle.
     pub fn is_complete(&self) -> bool {
         let mut offsets = self.offsets.to_vec();
         offsets.sort_unstable();

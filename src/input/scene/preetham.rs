@@ -3,10 +3,10 @@
 //! Sky: F(θ, γ) = (1 + A e^(B/cos θ)) (1 + C e^(Dγ) + E cos² γ) (Perez et al. 1993), one set A…E for luminance Y and
 //! the chromaticities x and y; value = zenith · F(θ, γ) / F(0, θs), with θ from the zenith and γ from the sun.
 //! Sun: extraterrestrial illuminance × the transmittances of the paper's appendix A.1.
-//! Cost: five exponentials a direction.
+//! Cost: six exponentials a direction.
 //!
-//! Known weakness (Zotti et al. 2007): with the sun
-//! on the horizon the sky stays several times too bright. Every method and the truth share it, so comparisons stand.
+//! Known weakness (Zotti et al. 2007): with the sun on the horizon the sky is several times too bright. Every method
+//! and the truth use the same sky, so comparisons between them hold.
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -50,7 +50,7 @@ const ZENITH_Y: [[f64; 4]; 3] = [
     [0.15346, -0.26756, 0.06670, 0.26688],
 ];
 
-/// What a shader needs to evaluate the sky; `value[c] = zenith[c] · F_c(θ, γ)` for c = Y, x, y.
+/// Uniform data to evaluate the sky in a shader; `value[c] = zenith[c] · F_c(θ, γ)` for c = Y, x, y.
 ///
 /// The shader takes cos θ = max(direction.y, 0.01) and γ between the given direction and the sun.
 #[repr(C)]

@@ -1,10 +1,10 @@
-//! What is known of a way to reconstruct pictures without carrying it out; the registry is `reconstruct`.
+//! Description of a reconstruction, without its implementation; the registry is `reconstruct`.
 
 use super::{ImageSize, Pattern};
 use crate::error::{Error, Result};
 use serde::{Serialize, Serializer};
 
-/// A way to make pictures of what frames march. In records and experiments it stands as its id.
+/// A reconstruction: how pictures are made of the pixels that frames march. Records and experiments hold its id.
 #[derive(Debug)]
 pub struct ReconstructionInfo {
     /// Short name in JSON and in reports.
@@ -25,27 +25,27 @@ pub struct ReconstructionInfo {
     pub pattern: Pattern,
     /// Width and height of the smallest picture.
     pub smallest: [u32; 2],
-    /// What a frame knows of those before; `None` where each picture is made of its own frame alone.
+    /// Data that a frame takes from earlier ones; `None` where each picture is made of its own frame alone.
     pub history: Option<HistoryInfo>,
-    /// How the picture of a camera at rest comes about.
+    /// Convergence of the picture while the camera is at rest.
     pub rest: RestInfo,
 }
 
-/// What a sequence of frames remembers.
+/// Data that a sequence of frames keeps from one to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct HistoryInfo {
-    /// In words that follow "bytes of".
+    /// Name of the data, to follow "bytes of".
     pub what: &'static str,
     /// Bytes a pixel.
     pub pixel_bytes: u64,
 }
 
-/// What a camera at rest sees.
+/// Convergence of the picture while the camera is at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct RestInfo {
-    /// Frames after which the picture changes no more, at least 1.
+    /// Frames after which the picture no longer changes, at least 1.
     pub frames: u32,
-    /// Is it then that of marching every pixel, bit for bit?
+    /// Whether the picture then equals that of marching every pixel, bit for bit.
     pub exact: bool,
 }
 
@@ -53,12 +53,12 @@ impl ReconstructionInfo {
     /// Id of the reconstruction that marches every pixel: the one of experiments and records that name none.
     pub const FULL: &'static str = "full";
 
-    /// Is it the one that marches every pixel?
+    /// Whether it is the one that marches every pixel.
     pub fn is_full(&self) -> bool {
         self.id == Self::FULL
     }
 
-    /// Bytes that a sequence of pictures of this size remembers.
+    /// Bytes of history for a sequence of pictures of this size.
     pub fn history_bytes(&self, image: ImageSize) -> u64 {
         let pixels = u64::from(image.width) * u64::from(image.height);
         self.history

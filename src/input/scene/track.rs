@@ -1,4 +1,4 @@
-//! Short movements of the camera or the sun: what flicker is measured along. Those of ghosting are [`super::CameraTrack`].
+//! Short movements of the camera or the sun, along which flicker is measured. For ghosting: [`super::CameraTrack`].
 
 use super::{ImageSize, Scene};
 use glam::DVec3;

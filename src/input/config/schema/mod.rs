@@ -1,4 +1,4 @@
-//! One JSON Schema (draft 2020-12) for every file that people write, for editors and for `occlab schema`.
+//! One JSON Schema (draft 2020-12) for every configuration file, for editors and for `occlab schema`.
 
 mod study;
 

@@ -1,4 +1,5 @@
-//! The parts of the schema for study files: those of the Rust types, where any value may also be `"$NAME"`.
+//! The parts of the schema for study files: those of the Rust types, where any value may also be a placeholder
+//! `"$NAME"`.
 
 use super::super::study::StudyFile;
 use schemars::generate::SchemaSettings;
@@ -6,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 /// Name of the definition of `"$NAME"`.
 const PLACEHOLDER: &str = "FromProfile";
-/// What stands for itself: profiles hold the values that others name.
+/// Definition that admits no placeholders: a profile holds the values that placeholders name.
 const LITERAL: &str = "StudyProfile";
 
 /// Definitions for a study: `Study` and what it refers to. `experiment` and `methods` are those of experiment files.
@@ -44,7 +45,7 @@ fn matrix(experiment: &Value) -> Value {
     matrix
 }
 
-/// Lets every member and every item below a schema be a placeholder.
+/// Lets every member and every item below a schema be a placeholder `"$NAME"`.
 fn admit(schema: &mut Value) {
     let Some(members) = schema.as_object_mut() else {
         return;

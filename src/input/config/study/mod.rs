@@ -1,4 +1,5 @@
-//! The study file: a named set of experiments with the charts, claims, errata and questions that are asked of their records.
+//! The study file: a named set of experiments with the charts, claims, errata and questions that are evaluated from
+//! their records.
 //!
 //! ```json
 //! { "name": "m", "title": "…", "source": "…",
@@ -41,7 +42,7 @@ pub struct Study {
     pub note: String,
     /// Name of the profile.
     pub profile: String,
-    /// What sets the profile apart, in a sentence or two.
+    /// Difference between this profile and the others, in a sentence or two.
     pub about: String,
     /// Curves and columns by name.
     pub series: BTreeMap<String, Series>,
@@ -255,7 +256,7 @@ fn replace(
     }
 }
 
-/// Ids that name folders and anchors, and references between the parts of the file.
+/// Checks ids that name folders and anchors, and references between the parts of the file.
 fn check_names(document: &Document, file: &StudyFile) -> Result<()> {
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     let named = |name: &str| !name.is_empty() && name.len() <= 60 && name.chars().all(plain);

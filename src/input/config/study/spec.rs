@@ -1,6 +1,6 @@
-//! What a study asks of the records of its experiments: types of the file, no logic.
+//! Types of a study file that say how its experiments' records are evaluated; no logic.
 //!
-//! Axes are named by what they vary: a parameter of the method (`steps`), a scene member by JSON pointer
+//! An axis is named by what varies along it: a parameter of the method (`steps`), a scene member by JSON pointer
 //! (`/sun/elevation_deg`), `width`, `height` or `pixels` of the picture, or the measured `cloud_pixel_fraction`.
 
 use schemars::JsonSchema;

@@ -1,4 +1,4 @@
-//! Upper bounds of the procedural density over the cells of its occupancy grid: conservative first, tight second.
+//! Conservative upper bounds of the procedural density over the cells of its occupancy grid.
 
 use super::{Procedural, SHAPE_TEXELS, WEATHER_TEXELS, weather_offset};
 use crate::density::occupancy::Occupancy;
@@ -126,7 +126,7 @@ impl<'a> Bounds<'a> {
     }
 }
 
-/// Weather over one cell's footprint.
+/// Bounds of the weather map over one cell's footprint.
 #[derive(Clone, Copy)]
 struct WeatherBound {
     coverage: f32,

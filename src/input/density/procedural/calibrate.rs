@@ -1,11 +1,11 @@
-//! Coverage: the weather threshold at which a deck covers the wanted share of columns.
+//! Calibration of coverage: the weather threshold at which a deck covers the wanted share of columns.
 
 use super::device::{SHADER, defs, field_values};
 use super::{Deck, Procedural};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, Inputs, Kernel, Program, Resource, UniformValue, read_buffer};
 
-/// Columns along one axis, and samples a column, that calibrate coverage.
+/// Columns along one axis, and samples a column, for the calibration of coverage.
 pub(super) const CALIBRATION_COLUMNS: u32 = 160;
 pub(super) const CALIBRATION_STEPS: u32 = 96;
 /// Optical depth at which a column's opacity is 0.5.
@@ -47,7 +47,7 @@ pub(super) fn search(
     Ok((threshold, measure(threshold)?))
 }
 
-/// Finds the weather threshold at which a deck covers the wanted share of columns.
+/// Measures columns on the device to find the weather threshold at which a deck covers the wanted share of them.
 pub(super) struct Calibrator {
     kernel: Kernel,
     output: wgpu::Buffer,

@@ -9,7 +9,7 @@ use crate::gpu::{Gpu, Inputs, Kernel, Program, Resource, UniformValue, read_text
 use crate::shader_defs::Defs;
 use std::time::Instant;
 
-/// Evaluates the field.
+/// WGSL file that evaluates the field.
 pub(super) const SHADER: &str = "density/procedural.wgsl";
 
 pub(super) fn build(gpu: &Gpu, field: &Procedural, around: &Surroundings) -> Result<DeviceField> {

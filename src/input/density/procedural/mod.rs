@@ -254,12 +254,12 @@ impl Procedural {
     }
 }
 
-/// Where a member of the field stands in a scene.
+/// JSON pointer of a member of the field in a scene.
 fn at(member: &str) -> String {
     format!("/density/procedural/{member}")
 }
 
-/// The second deck reads the weather map elsewhere, so that it does not repeat the first.
+/// Offset of a deck's weather map, in periods: the second deck must not repeat the first.
 fn weather_offset(deck: usize) -> f64 {
     0.37 * deck as f64
 }

@@ -23,7 +23,7 @@ pub(super) struct Clouds {
     thresholds: Vec<f64>,
 }
 
-/// What the weather map says of a vertical column of a deck.
+/// Values of the weather map for a vertical column of a deck.
 #[derive(Clone, Copy)]
 struct Weather {
     coverage: f64,
@@ -158,7 +158,7 @@ impl Clouds {
 }
 
 impl DensityTwin for Clouds {
-    /// The denser of the decks.
+    /// Largest density of the decks.
     fn density(&self, p: DVec3) -> f64 {
         let q = self.container.field_point(p);
         let decks = self.field.decks.iter().zip(&self.thresholds).enumerate();

@@ -1,4 +1,4 @@
-//! Where an imported volume provably holds no medium.
+//! Occupancy grid of an imported volume: its provably empty cells.
 
 use super::Grid;
 use crate::density::occupancy::Occupancy;

@@ -77,7 +77,8 @@ impl DensityField for Volume {
         Some(&mut self.path)
     }
 
-    /// A third of the voxels holds medium; the array has another length along each axis, and each of them points up once.
+    /// A third of the voxels holds medium; the array's axes differ in length, and each of them points up in one
+    /// example.
     fn examples(container: &Container, folder: &Path) -> Result<Vec<Self>> {
         if corners(container).is_err() {
             return Ok(Vec::new());
@@ -100,7 +101,7 @@ impl DensityField for Volume {
 }
 
 impl Volume {
-    /// Refuses a path that no file system takes or that no record can hold: JSON is UTF-8.
+    /// Refuses a path that the file system does not accept or that a record cannot hold: JSON is UTF-8.
     fn check_path(&self) -> Result<(), Problem> {
         let refuse = |message: String| Err(Problem::new("/density/volume/path", message));
         let bytes = self.path.as_os_str().len();

@@ -83,7 +83,7 @@ pub fn save(
     writer.finish()
 }
 
-/// Opens the file, or the array inside an archive: which of the two it is, its first bytes say.
+/// Opens the file, or the array inside an archive; the first bytes tell which of the two it is.
 fn open(path: &Path) -> Result<Member> {
     let part = file_of(path);
     let io = Error::reading(&part.file);
@@ -107,7 +107,7 @@ fn open(path: &Path) -> Result<Member> {
     Ok(Member { reader, bytes })
 }
 
-/// Which array axis is which world axis.
+/// Assignment of array axes to world axes.
 struct Axes {
     /// Array axis of world x, y, z.
     array: [usize; 3],
@@ -144,7 +144,7 @@ impl Axes {
     }
 }
 
-/// Hashes what passes through.
+/// Reader that hashes the bytes it passes on.
 struct Hashing {
     inner: Box<dyn Read>,
     hasher: blake3::Hasher,

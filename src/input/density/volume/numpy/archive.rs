@@ -9,16 +9,16 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// What a zip archive starts with: a member, or the end of an archive that has none.
+/// First bytes of a zip archive: those of a member, or of the end of an archive without members.
 pub(super) const MAGIC: [&[u8; 4]; 2] = [b"PK\x03\x04", b"PK\x05\x06"];
-/// Bytes that a byte of deflate expands to at most (<https://zlib.net/zlib_tech.html>).
+/// Largest expansion of deflate, bytes from a byte (<https://zlib.net/zlib_tech.html>).
 const MOST_EXPANSION: u64 = 1032;
 const DAMAGED: &str = "The file is damaged or truncated: copy or save it again.";
 
 /// The bytes of one `.npy` file.
 pub(super) struct Member {
     pub reader: Box<dyn Read>,
-    /// How many bytes `reader` yields; one that yields others fails.
+    /// Bytes that `reader` yields; the reader fails if there are more or fewer.
     pub bytes: u64,
 }
 
@@ -102,7 +102,8 @@ fn choose<'a>(path: &Path, arrays: &'a [Listed], name: Option<&str>) -> Result<&
     }
 }
 
-/// Refuses what cannot be read, and a size that the compressed bytes cannot account for, before memory is taken.
+/// Refuses an array that cannot be read, and a size that the compressed bytes cannot account for, before memory is
+/// taken.
 fn check_expansion(path: &Path, array: &Listed, bytes: u64, stored_bytes: u64) -> Result<()> {
     let wrong = |problem: String, remedy: &str| {
         let inside = format!("array `{}`", array.name);

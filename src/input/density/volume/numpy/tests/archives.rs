@@ -60,7 +60,7 @@ fn the_only_array_of_an_archive_is_read_as_if_it_were_a_file() {
         let members: [(&str, &[u8]); 2] = [("density.npy", &npy), ("readme.txt", b"hello")];
         let path = folder.raw(&npz(&members, method));
         assert_eq!(open(path.clone(), 1).expect("npz"), alone, "{method}");
-        // `v.npy` is the folder's name for its file: a name can be given where the ending says archive.
+        // The folder's file is called `v.npy`; the ending of an archive is needed for a name behind the colon.
         let archive = path.with_extension("npz");
         std::fs::rename(&path, &archive).expect("rename");
         assert_eq!(open(named(&archive, "density"), 1).expect("named"), alone);
@@ -110,7 +110,7 @@ fn archives_without_a_clear_array_are_refused() {
     std::fs::write(&path, &npy).expect("write");
     let message = open(named(&path, "a"), 1).expect_err("no zip").to_string();
     assert!(message.contains("no .npz archive"), "{message}");
-    // What is in the archive is checked as a file would be.
+    // Values inside the archive are checked as those of a file are.
     let bad = npz(&[("a.npy", &array(&[f32::NAN]))], store);
     refused(folder.raw(&bad), &["element [z=0][y=0][x=0]", "NaN"]);
     refused(
@@ -129,7 +129,7 @@ fn a_cut_or_changed_archive_is_an_error_that_says_so() {
         for keep in [4, 60, whole.len() / 2, whole.len() - 30, whole.len() - 1] {
             refused(folder.raw(&whole[..keep]), &["truncated"]);
         }
-        // A changed byte of the data: its checksum, or what is inflated from it, is another.
+        // After a changed byte of the data, its checksum or its inflated bytes differ.
         let mut changed = whole.clone();
         changed[whole.len() / 2] ^= 0x10;
         refused(folder.raw(&changed), &["data", "damaged"]);
