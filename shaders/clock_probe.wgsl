@@ -1,9 +1,9 @@
-// A fixed amount of arithmetic whose time tells the device's clock: timed before and between rounds, it shows whether the
-// device ran as fast at the end of a measurement as at its begin.
+// Clock probe: a fixed amount of arithmetic whose GPU time tells the device's clock. Timed before and between rounds,
+// it shows whether the device ran as fast at the end of a measurement as at its begin.
 //
-//   x ← x·a + b, TURNS times a thread, each turn waiting for the one before; nothing is read from memory
+//   x ← x·a + b, TURNS times in each thread, every iteration depending on the one before; no memory reads
 //
-// The result is stored only where it is negative, which it never is: a compiler cannot know that and leave the work out.
+// The result is stored only where it is negative, which never happens; the compiler cannot know, and keeps the work.
 // Cost: threads × TURNS fused multiply-adds; the number of threads is chosen once for each device (gpu/clock_probe.rs).
 
 struct Work {

@@ -1,4 +1,4 @@
-// Map pass: one invocation a texel marches its column and stores what the method keeps of it. A dispatch covers a tile.
+// Map pass: each invocation marches the light column of one texel and encodes it. A dispatch covers a tile of texels.
 // Cost: resolution² × steps density samples at most.
 #import frame::tile
 #import map::map

@@ -5,8 +5,8 @@
 // (σ constant over a step; Hillaire 2016 eq. 14.) INTEGRATION_THESIS replaces (1 − e^(−σΔ)) by e^(−σΔ)·σΔ: transmittance
 // first, as in thesis M, Algorithm 1. V = 0 where the ray toward the sun meets the ground.
 // A dispatch marches steps tile.steps.x … tile.steps.y − 1 of its pixels; between dispatches the outputs hold the sums.
-// SUBSET: the tile counts blocks of pixels, of each of which one pixel is marched; the passes of a reconstruction add the
-// others. INVERSE_DEPTH: the reciprocal of the mean depth of what is seen, weighted as its light, is kept for them.
+// SUBSET: the tile counts blocks of pixels, and one pixel of each block is marched; reconstruction passes fill in the
+// others. INVERSE_DEPTH: also stores, for those passes, the reciprocal of the weighted mean depth, weights as of V.
 // Cost: `steps` density samples and, where there is medium, one light_transmittance.
 #import frame::{frame, tile, camera_ray}
 #import layer::{layer_length, point_at}

@@ -6,12 +6,12 @@
 //   density = saturate(remap(base, strength·m, 1, 0, 1)),  m = mix(e, 1 − e, saturate(10h)),  e = 0.625 R + 0.25 G + 0.125 B
 //
 // Sources: Schneider & Vos 2015 (SIGGRAPH Advances), Schneider 2017, Hillaire 2016, Häggström 2018.
-// Erosion only removes, so occupancy computed without it is conservative (density/occupancy.rs).
+// Erosion only removes, so occupancy computed without it is conservative (src/input/density/procedural/bounds.rs).
 // Cost: one 2-D and one or two 3-D filtered fetches.
 #import container::field_point
 #import occupancy::grid_distance
 
-// Vectors, since an array in a uniform needs a stride of 16 bytes.
+// Vectors instead of arrays: the elements of an array in a uniform have a stride of 16 bytes.
 struct Deck {
     profile: vec4f,  // base_m, top_m, cloud type where the map's type is 0, where it is 1
     cover: vec2f,    // calibrated threshold (not the covered share itself), offset into the weather map in periods
@@ -38,8 +38,8 @@ struct Field {
 @group(1) @binding(6) var detail: texture_3d<f32>;
 #endif
 
-// Trapezoid of density against height fraction: ramps up over x…y, down over z…w (Häggström 2018; cumulus thins out from
-// 0.45 instead of 0.78, which rounds its tops). density/procedural.rs bounds the same numbers.
+// Trapezoid of density against height fraction: ramps up over x…y, down over z…w (Häggström 2018; cumulus thins out
+// from 0.45 instead of 0.78, which rounds its tops). procedural/bounds.rs holds the same numbers.
 const STRATUS: vec4f = vec4f(0.02, 0.05, 0.09, 0.11);
 const STRATOCUMULUS: vec4f = vec4f(0.02, 0.20, 0.48, 0.625);
 const CUMULUS: vec4f = vec4f(0.0, 0.0625, 0.45, 1.0);

@@ -1,8 +1,8 @@
-// Optical depth of vertical columns over one weather tile: what calibrates coverage.
+// Optical depth of vertical columns over one weather tile, for the calibration of coverage.
 //
 //   τ(x, z) = Σ σ Δh over height, midpoints;  one invocation a column, spread evenly over the tile
 //
-// In field coordinates: on a shell the deck curves away from a plane within one tile.
+// Columns run along y in field coordinates: on a shell, a straight column would leave the curved deck within one tile.
 //
 // Cost: `steps` density samples a column.
 #import frame::frame

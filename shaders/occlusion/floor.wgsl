@@ -1,5 +1,5 @@
-// The floor: the uncompressed column, optical depth at the far edge of every step. What marching alone costs: the error
-// a map of these steps and texels cannot go below, whatever it stores.
+// Floor: the uncompressed column, optical depth at the far edge of every step. Its error is that of the march alone,
+// which no map of the same steps and texels can go below, whatever it stores.
 //
 //   τ_k = Σ_{j<k} σ_j Δ,  k = 1…n (τ_0 = 0);  V = exp(−lerp(τ_k, τ_{k+1})) at d = s·Δ, k = ⌊s⌋
 //

@@ -1,17 +1,17 @@
-// Temporal integration, second half of a frame: the pixels of every block that were not marched take their values from
-// the picture before, reprojected (Schneider & Vos 2015, "The Real-time Volumetric Cloudscapes of Horizon Zero Dawn";
+// Temporal integration, the pass after the march: pixels that were not marched in this frame take their values from the
+// previous picture, reprojected (Schneider & Vos 2015, "The Real-time Volumetric Cloudscapes of Horizon Zero Dawn";
 // thesis M, 3.1.7).
 //
-//   p' = (H·(i + ½, j + ½, 1) + e·q) / w     where the point at depth 1/q behind pixel (i, j) was, w its third component
+//   p' = (H·(i + ½, j + ½, 1) + e·q) / w   where the point at depth 1/q behind pixel (i, j) was; w: component 3
 //
-// H turns, e moves the camera (src/render/reconstruct/reprojection/device.rs). q is the inverse depth of the block's marched
-// pixel: the reciprocal of the mean depth along the optical axis, weighted as the march weights light; 0 = infinitely far.
-// p' is rounded to 1/256 pixel, the 8 bits that Direct3D asks of texture units, so that a camera at rest repeats pixels bit
-// for bit; four neighbours are interpolated. History does not serve
-//   - before there is any, and where p' lies outside the picture or behind the camera, now or then;
-//   - where the camera looked the other way: it saw another side;
-//   - where it shows something else: its own inverse depth at p' would have put this pixel more than one pixel away.
-// There the pixels marched in this frame are interpolated instead.
+// H holds the rotation, e the translation of the camera (src/render/reconstruct/reprojection/device.rs). q is the
+// inverse depth of the block's marched pixel: the reciprocal of the mean depth along the optical axis, with the weights
+// of the march's light; 0 = infinitely far. p' is rounded to 1/256 pixel, the 8 bits that Direct3D asks of texture
+// units, so that a camera at rest repeats pixels bit for bit; four neighbours are interpolated. History is rejected
+//   - where there is no previous picture, and where p' lies outside the picture or behind either camera;
+//   - where the previous camera looked in the opposite direction: it saw another side of the cloud;
+//   - after a disocclusion: with the history's own inverse depth at p', this pixel is more than 1 pixel off p'.
+// Rejected pixels are interpolated from the pixels marched in this frame.
 // Cost: a dozen loads a pixel, no density samples.
 
 #import subset::{Subset, is_marched}
@@ -22,7 +22,7 @@ struct Motion {
     turn_w: vec3f,
     shift: vec3f,       // e
     size: vec2u,        // of the picture
-    remembers: u32,     // 1: there is a picture before
+    remembers: u32,     // 1: there is a previous picture
 }
 
 @group(0) @binding(0) var<uniform> motion: Motion;
@@ -35,7 +35,7 @@ struct Motion {
 @group(0) @binding(7) var<uniform> subset: Subset;   // a rectangular grid: shear 0
 
 const SUBPIXELS: f32 = 256.0;
-// Disagreement of two depths that counts as another thing, pixels.
+// Reprojection error above which a pixel counts as disoccluded, pixels.
 const DISOCCLUDED: f32 = 1.0;
 
 // Four pixels and their weights.
@@ -44,7 +44,7 @@ struct Taps {
     weight: vec4f,
 }
 
-// What the picture before knows of a pixel.
+// Reprojection of a pixel into the previous picture.
 struct Past {
     at: vec2f,
     inverse_depth: f32,
@@ -74,7 +74,7 @@ fn past_of(pixel: vec2u, inverse_depth: f32) -> Past {
     if motion.remembers == 0u || !(seen.z > 0.0) || any(at < vec2f(0.0)) || any(at > vec2f(motion.size)) {
         return Past(at, 0.0, false);
     }
-    // The same pixel, were it as near as the history says.
+    // Position of the same pixel reprojected with the inverse depth that the history holds there.
     let held = inverse_depth_in[index_of(min(vec2u(at), motion.size - 1u))];
     let scale = 1.0 - motion.shift.z * held;
     let own = far.z * held / scale;

@@ -1,4 +1,4 @@
-// Ambient radiance reaching a sample: stands in for multiple scattering, linear in height. The same for every method.
+// Ambient radiance at a sample, linear in height: a stand-in for multiple scattering. The same for every method.
 // Cost: one height.
 #import container::height_fraction
 

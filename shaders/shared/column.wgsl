@@ -70,7 +70,7 @@ fn store(column: Column, layer: u32, values: vec4f) {
     store_texel(column.texel, layer, values);
 }
 
-// For passes that come after the columns.
+// For passes after the column pass.
 fn store_texel(texel: vec2u, layer: u32, values: vec4f) {
     textureStore(map_store, texel, layer, values);
 }

@@ -1,4 +1,4 @@
-// What every march needs to know: camera, sun, medium, step rule. One uniform buffer, group 0.
+// Uniforms of every march, group 0: camera, sun, medium, step rule; and the tile of the dispatch.
 // Ray of pixel (i, j): position + t·normalize(forward + x·right + y·up), x = 2(i+½)/W − 1, y = 1 − 2(j+½)/H,
 // with right and up scaled by the half extents of the image plane.
 

@@ -1,4 +1,4 @@
-// Where a column's cloud begins, over depth_m in [0, 1]; 1 for a column that never begins.
+// Front of a column: the depth at which its cloud begins, over depth_m in [0, 1]; 1 where there is none.
 //
 //   FRONT_THRESHOLD (thesis M): T first falls below 0.99, interpolated inside the step with constant σ:
 //                    z = near edge + (−ln 0.99 − τ)/σ
@@ -23,7 +23,7 @@ fn front_in_step(column: Column, k: u32, sigma: f32, tau: f32) -> f32 {
 #endif
 }
 
-// A front in metres over depth_m; at most 1, finite too where the view sees nothing of the layer and depth_m is 0.
+// A front in metres over depth_m, at most 1; finite too where depth_m is 0 because the view sees nothing of the layer.
 fn over_depth(front_m: f32) -> f32 {
     return min(front_m / max(map.depth_m, 1e-20), 1.0);
 }

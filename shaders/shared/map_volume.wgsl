@@ -1,6 +1,6 @@
-// A light map in a 3-D texture: columns along x and y, their depth along z, read with one trilinear fetch.
+// A light map in a 3-D texture: columns along x and y, depth along z, read with one trilinear fetch.
 //
-//   slice k of S holds what a column says of depth (k + ½)/S, over whatever the method stretches over 0…1
+//   slice k of S holds the column's value at depth (k + ½)/S; the method defines the depth range that 0…1 covers
 //
 // `encode` stores voxels; `transmittance_at(uv, depth)` of the method samples them.
 // Cost: one filtered read.

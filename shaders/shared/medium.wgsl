@@ -21,7 +21,7 @@ fn extinction(p: vec3f) -> f32 {
     return density(p) * frame.extinction_per_m;
 }
 
-// The way sunlight takes to p, walked from p: its length is d(p).
+// Light ray from p toward the sun; its length is d(p).
 fn sun_ray(p: vec3f) -> LayerRay {
     return layer_ray(p, frame.sun_direction, 0.0, 1e30);
 }

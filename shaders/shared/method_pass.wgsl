@@ -1,4 +1,4 @@
-// A pass of a method's own, before or after the one that marches the columns: which invocation this is, and its counter.
+// Shared code of a method's own passes before or after the column pass: thread index and sample counters.
 //
 //   @compute @workgroup_size(8, 8)
 //   fn an_entry_point(@builtin(global_invocation_id) id: vec3u) {

@@ -1,4 +1,4 @@
-// Empty space that may be skipped exactly. A grid of cubic cells (edge cell_m) over the density field, one byte a cell:
+// Occupancy grid, for exact skipping of empty space. Cubic cells (edge cell_m) over the density field, one byte a cell:
 // 0 = may hold medium; d ≥ 1 = every cell within Chebyshev distance d − 1 is provably empty.
 //
 //   empty_distance = (d − 1)·cell + distance to the nearest face of the own cell;  −1 when the cell may hold medium
@@ -31,6 +31,6 @@ fn grid_distance(field: vec3f) -> f32 {
     }
     let inside = min(cell - base, 1.0 - (cell - base));
     let margin = min(inside.x, min(inside.y, inside.z));
-    // 1e-3 of a cell pays for the rounding of `cell`.
+    // 1e-3 of a cell covers the rounding of `cell`.
     return max(rings - 1.0 + margin - 1e-3, 0.0) * occupancy.cell_m;
 }

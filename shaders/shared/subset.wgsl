@@ -1,4 +1,4 @@
-// Which pixels of a picture a frame marches: one of every block.
+// The subset of pixels that a frame marches: one pixel of every block.
 
 struct Subset {
     block: vec2u,    // width and height, pixels
@@ -12,7 +12,7 @@ fn marched_pixel(pixels: Subset, index: vec2u) -> vec2u {
     return pixels.block * index + vec2u(column, pixels.offset.y);
 }
 
-// Is a pixel marched?
+// Whether a pixel is marched in this frame.
 fn is_marched(pixels: Subset, pixel: vec2u) -> bool {
     return all(marched_pixel(pixels, pixel / pixels.block) == pixel);
 }
