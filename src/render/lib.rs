@@ -1,4 +1,4 @@
-//! Pictures: light-occlusion methods, the ray marcher of the device, the oracle in f64, reconstructions.
+//! Rendering of pictures: light-occlusion methods, the ray marcher on the device, the f64 oracle, reconstructions.
 //!
 //! Part of `occlab`, whose documentation starts with the architecture.
 

@@ -1,4 +1,4 @@
-//! Beer shadow map: front, mean extinction and largest optical depth.
+//! Beer shadow map: front, mean extinction and largest optical depth of each light column.
 
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
@@ -43,7 +43,7 @@ const TRIALS: Trials = Trials {
         trial("mean=fitted", "mean=occupied"),
         trial("form=published", "form=published mean=all"),
     ],
-    // The threshold of the other front leaves out τ = 0.01.
+    // With the other front, the threshold leaves out τ = 0.01.
     exact: &[
         "front=first",
         "front=first mean=all",
@@ -95,7 +95,7 @@ impl LightOcclusion for Bsm {
     }
 }
 
-/// D_max of the stable form: e^(−64) is black in any picture, and f16 keeps the value.
+/// Largest stored τ_max of the stable form: e^(−64) is black in any picture, and f16 holds the value.
 const LARGEST_TAU: f64 = 64.0;
 /// Largest σ̄·L_max of the stable form: f16 ends at 65504.
 const LARGEST_MEAN: f64 = 6e4;

@@ -1,4 +1,4 @@
-//! Exponential shadow map: one value a texel.
+//! Exponential shadow map: the front of each light column, one value a texel.
 
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
@@ -44,7 +44,7 @@ const TRIALS: Trials = Trials {
         trial("", "front=first"),
         trial("form=published c=8", "form=published c=8.1"),
     ],
-    // The threshold of the other front leaves out τ = 0.01.
+    // With the other front, the threshold leaves out τ = 0.01.
     exact: &["front=first c={tau}"],
 };
 

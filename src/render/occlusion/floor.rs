@@ -1,4 +1,4 @@
-//! The floor: an uncompressed column, which shows what the march alone costs.
+//! The floor: an uncompressed light column; its error is that of the march alone.
 
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
@@ -58,7 +58,7 @@ impl LightOcclusion for Floor {
     }
 }
 
-/// Stored depths stay below this: f16 ends at 65504, and between two infinite values NaN is interpolated.
+/// Largest stored optical depth: f16 ends at 65504, and interpolation between two infinite values gives NaN.
 const LARGEST_TAU: f64 = 6e4;
 
 /// Optical depth at the far edge of every step, linear in between.
@@ -75,7 +75,7 @@ impl Encoding for Cumulative {
 
     fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64 {
         let last = values.len() as f64;
-        // A column without length has no depth beyond its first edge but 0/0.
+        // A column of length 0 would give 0/0.
         let steps = if look_up.length > 0.0 {
             (look_up.depth / look_up.length * last).clamp(0.0, last)
         } else {

@@ -1,4 +1,4 @@
-//! Fourier opacity map: extinction along a column as a truncated Fourier series.
+//! Fourier opacity map: extinction along a light column as a truncated Fourier series.
 
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
@@ -174,7 +174,7 @@ impl LightOcclusion for Fom {
     }
 }
 
-/// Coefficients of the stable form stay below this: f16 ends at 65504.
+/// Largest stored coefficient of the stable form: f16 ends at 65504.
 const LARGEST_COEFFICIENT: f64 = 6e4;
 
 /// τ(x) = a₀x/2 + Σ w_k [a_k sin 2πkx + b_k (1 − cos 2πkx)]/(2πk).
@@ -182,15 +182,15 @@ struct Fourier {
     order: u32,
     window: &'static str,
     bounded: bool,
-    /// b₁ stands for every b_k of the look-up.
+    /// The misprint of the look-up: b₁ stands for every b_k.
     first_sine: bool,
-    /// A step counts as one metre long.
+    /// The misprint of the column pass: every step counts as one metre long.
     metre: bool,
     published: bool,
 }
 
 impl Fourier {
-    /// Near and far edge of what a column's series covers, over L_max.
+    /// Near and far edge of the interval that a column's series covers, over L_max.
     fn interval(&self, column: &Column) -> (f64, f64) {
         if !self.bounded {
             return (0.0, 1.0);
@@ -223,12 +223,12 @@ impl Fourier {
     }
 }
 
-/// −ln(1 − α), what the published form adds for a step of opacity α: infinite at α = 1, NaN above.
+/// −ln(1 − α), the published form's thickness of a step of opacity α: infinite at α = 1, NaN above.
 pub fn thickness_of_opacity(alpha: f64, rounding: &Rounding) -> f64 {
     -rounding.computed(rounding.computed(1.0 - rounding.computed(alpha)).ln())
 }
 
-/// Depth as the series' variable.
+/// Depth as the variable x of the series, 0…1 between `near` and `far`.
 fn position(depth: f64, (near, far): (f64, f64)) -> f64 {
     let offset = depth - near;
     if offset <= 0.0 {

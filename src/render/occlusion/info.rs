@@ -1,8 +1,8 @@
-//! What a method says of itself: every list, table, colour and test about methods is made from this.
+//! Description of a method: lists, tables, colours and tests about methods are generated from it.
 
 use crate::param::ParamSpec;
 
-/// What a method is.
+/// Description of a method.
 #[derive(Clone, Copy, Debug)]
 pub struct MethodInfo {
     /// Short name in JSON, on the command line and in reports.
@@ -13,11 +13,11 @@ pub struct MethodInfo {
     pub summary: &'static str,
     /// Values a map texel holds, for tables: `3`, `2n + 1`; `–` without a map.
     pub texel: &'static str,
-    /// What to expect to fail in its pictures, one or two sentences.
+    /// Artefacts to expect in its pictures, one or two sentences.
     pub expect: &'static str,
     /// Paper, year, equation.
     pub citation: &'static str,
-    /// What it is compared as.
+    /// Role in comparisons.
     pub role: Role,
     /// Colour in charts, pages and the window, `0xrrggbb` in sRGB.
     pub colour: u32,
@@ -31,10 +31,10 @@ pub struct MethodInfo {
     pub params: &'static [&'static [ParamSpec]],
     /// V never increases with depth along a light column (with look-up `nearest` and form `stable`).
     pub monotone: bool,
-    /// A texel stores a largest optical depth, from which on V stays level.
+    /// Whether a texel stores a largest optical depth, at which V stops falling with depth.
     pub bounded: bool,
-    /// Largest relative RMSE between a picture's sunlight on a device and by the oracle, at the same parameters, with
-    /// storage rounding emulated and nothing filtered by hardware. What it is made of: `tests/oracle_gpu.rs`.
+    /// Largest relative RMSE of a picture's sunlight on a device against the oracle, at the same parameters, with
+    /// storage rounding emulated and without hardware filtering. Its terms: `tests/oracle_gpu.rs`.
     pub tolerance: f64,
     /// Settings that the tests check.
     pub trials: Trials,
@@ -46,20 +46,20 @@ impl MethodInfo {
         self.params.iter().copied().flatten()
     }
 
-    /// Whether the others are measured against it.
+    /// Whether it is the truth, against which the others are measured.
     pub fn is_truth(&self) -> bool {
         self.role == Role::Truth
     }
 }
 
-/// What a method is compared as.
+/// Role of a method in comparisons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// A renderer could use it.
     Practical,
-    /// A map with nothing compressed: the error that no map of its steps and texels can go below. One method has this role.
+    /// An uncompressed map: the error that no map of its steps and texels can go below. One method has this role.
     Floor,
-    /// V does not depend on the cloud: what the view march alone costs.
+    /// V does not depend on the cloud: the cost of the view march alone.
     Unshadowed,
     /// What all others are measured against. One method has this role.
     Truth,
@@ -93,7 +93,7 @@ pub enum Marker {
 pub struct Trials {
     /// Pictures of a voxel volume, on a device against the oracle. Empty only where a method has no parameters.
     pub pictures: &'static [Trial],
-    /// The same over procedural clouds, whose noise is filtered by hardware: controls must be farther away.
+    /// Pictures of procedural clouds, likewise. Hardware filters their noise: controls must be farther away.
     pub clouds: &'static [Trial],
     /// Values of texels, on a device against the oracle; empty without a map.
     pub texels: &'static [Trial],

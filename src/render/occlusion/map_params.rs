@@ -47,7 +47,7 @@ pub const STORAGE: ParamSpec = ParamSpec {
     as_printed: &[],
 };
 
-/// How texels of floats or fractions answer a look-up between them.
+/// Look-up between texels of floats or fractions.
 pub const LOOKUP: ParamSpec = ParamSpec {
     name: "lookup",
     unit: "",
@@ -60,7 +60,7 @@ pub const LOOKUP: ParamSpec = ParamSpec {
     as_printed: &[],
 };
 
-/// How texels of words, which no sampler interpolates, answer a look-up between them.
+/// Look-up between texels of words, which no sampler interpolates.
 pub const TEXEL_LOOKUP: ParamSpec = ParamSpec {
     name: "lookup",
     unit: "",
@@ -73,7 +73,7 @@ pub const TEXEL_LOOKUP: ParamSpec = ParamSpec {
     as_printed: &[],
 };
 
-/// Where a column is sampled.
+/// Positions of the samples in a column.
 pub const SAMPLING: ParamSpec = ParamSpec {
     name: "sampling",
     unit: "",
@@ -89,7 +89,7 @@ pub const SAMPLING: ParamSpec = ParamSpec {
     }],
 };
 
-/// Where a column's cloud begins.
+/// Definition of the front, where a column's cloud begins.
 pub const FRONT: ParamSpec = ParamSpec {
     name: "front",
     unit: "",
@@ -102,7 +102,7 @@ pub const FRONT: ParamSpec = ParamSpec {
     as_printed: &[],
 };
 
-/// Which form of the equations a method takes.
+/// Form of a method's equations: stable or published.
 pub const FORM: ParamSpec = ParamSpec {
     name: "form",
     unit: "",

@@ -1,18 +1,18 @@
-//! The light-occlusion strategies and their registry.
+//! The light-occlusion methods and their registry.
 //!
-//! A strategy answers one question for the view march: V(p) = exp(−τ between p and the sun). It is declared by a
-//! [`MethodInfo`] and a WGSL file, and brings no GPU code of its own:
+//! A method gives the view march V(p) = exp(−τ between p and the sun). It is declared by a [`MethodInfo`] and a WGSL
+//! file, and brings no GPU code of its own:
 //!
 //! - without a map, the file exports `fn light_transmittance(p: vec3f, rnd: f32) -> f32`;
-//! - with a map, it exports `fn encode(column: Column)` (what a texel keeps of its column) and
-//!   `fn transmittance(tap: Tap, depth: f32) -> f32` (what a texel says of a depth); the map's geometry, look-up rule and
-//!   fallback are shared. What the map is, a 2-D array of floats unless the method says otherwise, and passes before and
-//!   after the one that fills it are in its [`Plan`]: see [`plan`].
+//! - with a map, it exports `fn encode(column: Column)` (stores the texel of a column) and
+//!   `fn transmittance(tap: Tap, depth: f32) -> f32` (V at a depth, from a texel); the map's geometry, look-up rule and
+//!   fallback are shared. The layout of the map, a 2-D array of floats by default, and the passes before and after the
+//!   column pass are in its [`Plan`]: see [`plan`].
 //!
 //! Numeric parameters are members of the file's `Params` uniform (or of the shared `Map`), choices are shader
-//! definitions `NAME_OPTION`. The Rust file also holds the method's f64 [`Twin`], written from the equations: what the
-//! oracle runs. A new method is one Rust file, one WGSL file, and here its `mod` and its line of [`REGISTRY`]: lists, tables,
-//! colours, menus and tests are made from what its [`MethodInfo`] says.
+//! definitions `NAME_OPTION`. The Rust file also holds the method's f64 [`Twin`], written from the equations, which the
+//! oracle runs. A new method is one Rust file, one WGSL file, and here its `mod` and its line of [`REGISTRY`]: lists,
+//! tables, colours, menus and tests are generated from its [`MethodInfo`].
 
 mod info;
 mod map_params;
@@ -42,7 +42,7 @@ use crate::scene::Scene;
 use crate::shader_defs::Defs;
 use twin::Twin;
 
-/// Every strategy, in the order of menus and charts.
+/// Every method, in the order of menus and charts.
 pub const REGISTRY: &[&dyn LightOcclusion] = &[
     &srm::Srm,
     &esm::Esm,
@@ -53,17 +53,17 @@ pub const REGISTRY: &[&dyn LightOcclusion] = &[
     &truth::Truth,
 ];
 
-/// A strategy.
+/// A light-occlusion method.
 pub trait LightOcclusion: Sync {
-    /// What the method says of itself.
+    /// The method's description.
     fn info(&self) -> &'static MethodInfo;
 
-    /// What it needs at `params`; the default is a method without a map.
+    /// Map, resources and passes that it needs at `params`; the default is a method without a map.
     fn plan(&self, _params: &Params) -> Result<Plan> {
         Ok(Plan::default())
     }
 
-    /// Names of a texel's values at `params`, in their order; a method without a map has none.
+    /// Names of a texel's values at `params`, in storage order; empty without a map.
     fn value_names(&self, _params: &Params) -> Result<Vec<String>> {
         Ok(Vec::new())
     }
@@ -71,14 +71,14 @@ pub trait LightOcclusion: Sync {
     /// The f64 twin at `params`.
     fn oracle(&self, params: &Params) -> Result<Twin>;
 
-    /// Most loop turns that one `light_transmittance` takes, when no ray is longer than `longest_path_m`. The default
-    /// covers look-ups with their fallback march.
+    /// Upper bound of the loop iterations of one `light_transmittance`, when no ray is longer than `longest_path_m`.
+    /// The default covers look-ups with their fallback march.
     fn light_turns(&self, _params: &Params, _longest_path_m: f64) -> Result<f64> {
         Ok(64.0)
     }
 }
 
-/// A method with a complete set of parameters, those that do not apply included: uniforms hold them all.
+/// A method with a complete set of parameters, including those that do not apply: uniforms hold them all.
 #[derive(Clone)]
 pub struct MethodSetup {
     /// The strategy.
@@ -113,7 +113,7 @@ fn ids() -> impl Iterator<Item = &'static str> {
     REGISTRY.iter().map(|m| m.info().id)
 }
 
-/// The registered method that plays a role.
+/// The registered method of a role.
 pub fn playing(role: Role) -> Result<&'static dyn LightOcclusion> {
     let found = REGISTRY.iter().find(|m| m.info().role == role).copied();
     found.ok_or_else(|| Error::defect("registry", format!("no method has the role {role:?}")))
@@ -143,7 +143,7 @@ impl MethodSetup {
         Self { method, params }
     }
 
-    /// The map at its own steps, texels, storage and look-up, with nothing compressed.
+    /// The floor at this method's steps, resolution, storage and look-up: the same map without compression.
     pub fn uncompressed(&self) -> Result<Self> {
         let mut floor = Self::new(playing(Role::Floor)?);
         for spec in floor.method.info().specs() {
@@ -154,7 +154,7 @@ impl MethodSetup {
         Ok(floor)
     }
 
-    /// A method at recorded or listed values; all others have their defaults.
+    /// A method at recorded or listed values; other parameters have their defaults.
     pub fn of(id: &str, params: &Params) -> Result<Self> {
         let Self {
             method,
@@ -169,7 +169,7 @@ impl MethodSetup {
         self.params.applying(self.method.info().specs())
     }
 
-    /// The truth of `scene`, with the light step that its shape asks for.
+    /// The truth of `scene`, with the light step for its container.
     pub fn truth(scene: &Scene) -> Result<Self> {
         let step_m = scene.truth_step_m();
         let setup = Self::new(playing(Role::Truth)?).with("step_m", &step_m.to_string());
@@ -181,7 +181,7 @@ impl MethodSetup {
         })
     }
 
-    /// The same with one parameter changed, from text as on the command line.
+    /// This setting with one parameter changed, from text as on the command line.
     pub fn with(mut self, name: &str, text: &str) -> Result<Self> {
         let info = self.method.info();
         let place = || format!("--set {name}={text}");
@@ -197,7 +197,7 @@ impl MethodSetup {
         Ok(self)
     }
 
-    /// What to tell somebody who named a parameter that has no effect at this setting.
+    /// Note for a user who set a parameter that has no effect at this setting; `None` where it has one.
     pub fn idle_note(&self, name: &str) -> Option<String> {
         let mut specs = self.method.info().specs();
         let spec = specs.find(|s| s.name == name && !s.applies_at(&self.params))?;
@@ -219,7 +219,7 @@ impl MethodSetup {
     }
 }
 
-/// The registry as the configuration sees it.
+/// The registry as the configuration's catalogue of methods.
 pub struct Methods;
 
 impl crate::config::MethodCatalogue for Methods {

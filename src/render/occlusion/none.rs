@@ -1,4 +1,4 @@
-//! No occlusion: V = 1.
+//! No occlusion: V = 1 everywhere.
 
 use super::LightOcclusion;
 use super::info::{Marker, MethodInfo, Role, Trials};

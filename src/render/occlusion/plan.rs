@@ -1,7 +1,7 @@
-//! What a method asks the renderer for: the form of its light map, further textures and buffers, and passes of its own.
+//! GPU resources that a method needs: the form of its light map, further textures and buffers, and its own passes.
 //!
-//! Where a map lies, the march of its columns and what answers outside of it are shared; a method says what one column
-//! leaves behind ([`MapLayout`]) and what its WGSL file offers for it:
+//! The map's geometry, the march of its columns and the fallback outside of it are shared; a method declares the layout
+//! of its map ([`MapLayout`]) and exports from its WGSL file what the layout calls for:
 //!
 //! | layout | stores with | is read by | offers to the view march |
 //! |---|---|---|---|
@@ -17,19 +17,19 @@ use super::rounding::FloatFormat;
 use crate::error::Result;
 use crate::shader_defs::Defs;
 
-/// What a method needs at given parameters.
+/// Map and shader definitions that a method needs at given parameters.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     /// The light map; `None` = no map.
     pub map: Option<MapPlan>,
-    /// Definitions beside those of the choices, for structure that depends on a number.
+    /// Definitions beside those of the choices, for shader structure that depends on a number.
     pub defs: Defs,
 }
 
-/// A light map, and what is made beside it.
+/// A light map, with further resources and passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapPlan {
-    /// What the column pass stores.
+    /// Layout of the map, which the column pass fills.
     pub layout: MapLayout,
     /// Mip levels of the map's texture, at least 1; the column pass fills the first.
     pub levels: u32,
@@ -41,7 +41,7 @@ pub struct MapPlan {
     pub after: Vec<MethodPass>,
 }
 
-/// What a map is made of. The parameter `resolution` is its edge in texels.
+/// Storage of a map. The parameter `resolution` is its edge in texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapLayout {
     /// A 2-D array texture, read by texels as the parameter `lookup` says.
@@ -67,7 +67,7 @@ pub enum MapLayout {
     },
 }
 
-/// How a stored value is written.
+/// Number format of a stored value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapNumbers {
     /// Floating point of the bits that the parameter `storage` names.
@@ -93,7 +93,7 @@ pub struct MapResource {
     pub temporary: bool,
 }
 
-/// What stands beside a map.
+/// Kind and size of a resource beside a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapResourceKind {
     /// A buffer of 32-bit words.
@@ -136,18 +136,18 @@ pub enum StorableFormat {
     Rgba32Uint,
 }
 
-/// A pass of a method's own, timed with the column pass as `generate`.
+/// A pass of a method's own; its GPU time is part of `generate`, as that of the column pass.
 ///
-/// The entry point stands in the method's WGSL file and imports `method_pass::{in_tile, place, count_samples}`: passes
-/// are cut into tiles of whole workgroups, and what takes density samples counts them.
+/// The entry point is in the method's WGSL file and imports `method_pass::{in_tile, place, count_samples}`: passes are
+/// dispatched in tiles of whole workgroups, and a pass that takes density samples counts them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MethodPass {
     /// Entry point.
     pub entry: &'static str,
     /// Invocations along x and y.
     pub threads: [u32; 2],
-    /// Texture variables that see this mip level alone. Others see all levels where they read and the first where they
-    /// write. A pass cannot read a level that it writes.
+    /// Mip level to which a texture variable is restricted in this pass. Other variables see all levels where they read
+    /// and the first where they write. A pass cannot read a level that it writes.
     pub levels: Vec<(&'static str, u32)>,
 }
 
@@ -175,7 +175,7 @@ impl Plan {
 }
 
 impl MapPlan {
-    /// The map alone.
+    /// The map alone, without further resources or passes.
     pub fn of(layout: MapLayout) -> Self {
         Self {
             layout,
@@ -188,7 +188,7 @@ impl MapPlan {
 }
 
 impl MapLayout {
-    /// Values that one column leaves behind.
+    /// Values stored for one column.
     pub fn column_values(self) -> u32 {
         match self {
             Self::Array { values, .. } => values,

@@ -1,4 +1,4 @@
-//! What a device's number formats do to a value, emulated in f64.
+//! Rounding to a device's number formats, emulated in f64.
 //!
 //! IEEE 754-2019 formats binary32 and binary16, round to nearest even; WGSL lets a device truncate stored f16 values and
 //! flush denormals (WGSL § 15.7.2, § 15.7.6), so both are options.
@@ -18,16 +18,16 @@ pub enum FloatFormat {
     Unorm8,
     /// k/65535 in 0…1.
     Unorm16,
-    /// Words that a method packs: its twin rounds, see [`super::twin::Encoding::stored`].
+    /// Words that a method packs; its twin does the rounding, see [`super::twin::Encoding::stored`].
     Packed,
 }
 
-/// How values are rounded where a device would round them.
+/// Rounding at the places where a device rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rounding {
     /// Format of a map's stored values.
     pub storage: FloatFormat,
-    /// Format of what a method computes before it stores and after it loads, operation by operation.
+    /// Format of a method's arithmetic before it stores and after it loads; each operation is rounded.
     pub arithmetic: FloatFormat,
     /// Denormals of both become 0 with their sign.
     pub flush_denormals: bool,
@@ -94,7 +94,7 @@ impl Rounding {
     }
 }
 
-/// The nearest k/`most` in 0…1: what a `unorm` texture keeps of a value.
+/// The nearest k/`most` in 0…1, `most` = 2ⁿ − 1: a value after storage in a `unorm` texture.
 pub fn fraction(value: f64, most: f64) -> f64 {
     (value.clamp(0.0, 1.0) * most).round() / most
 }

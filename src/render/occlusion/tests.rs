@@ -1,14 +1,14 @@
-//! Every parameter applies exactly where it changes what its method says of some column.
+//! Every parameter applies exactly where it changes V at some depth of some column.
 
 use super::rounding::Rounding;
 use super::twin::{Column, LightRay, LookUp, Twin};
 use super::{MethodSetup, REGISTRY};
 use crate::param::{Applies, ParamKind, ParamSpec, ParamValue, Params};
 
-/// What a map does between texels, which a single column cannot tell.
+/// Parameters that act between texels: a single column does not depend on them.
 const OF_THE_MAP: [&str; 2] = ["resolution", "lookup"];
 
-/// 3 km of cells of 37 m, some of them empty.
+/// A light ray of 3 km through cells of 37 m, some of them empty.
 struct Way {
     /// Largest extinction, m⁻¹.
     dense_per_m: f64,

@@ -1,4 +1,4 @@
-//! The ground truth: a secondary march of constant small steps.
+//! The truth: a secondary march of constant small steps.
 
 use super::LightOcclusion;
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
@@ -6,7 +6,7 @@ use super::twin::{LightMarch, LightRay, OPAQUE_TAU, Twin};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
-/// Secondary march in constant steps, what all others are compared with.
+/// Secondary march in constant steps, the reference for all other methods.
 pub struct Truth;
 
 const TRIALS: Trials = Trials {

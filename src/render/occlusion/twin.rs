@@ -1,7 +1,7 @@
 //! The f64 twin of a method: the same equations as its shader, written from the definitions, for the oracle.
 //!
-//! A twin sees light rays and columns, no scene: it can be asked about any extinction a caller makes up. NaN passes
-//! through every twin, so that a form that fails is seen to fail.
+//! A twin sees light rays and columns, not the scene: it can be evaluated for any extinction. NaN passes through every
+//! twin, so that the failure of a form shows.
 
 #[cfg(doc)]
 use super::rounding::FloatFormat;
@@ -11,9 +11,9 @@ use crate::param::Params;
 
 /// Optical depth behind which nothing can change an f64 sum of order 1: 53 ln 2.
 pub const OPAQUE_TAU: f64 = 36.736_800_569_677_1;
-/// Thesis M: cloud begins where T falls below this.
+/// Transmittance below which a column's cloud begins (thesis M).
 const FRONT_TRANSMITTANCE: f64 = 0.99;
-/// Steps of the march that answers outside a map.
+/// Steps of the fallback march outside a map.
 const FALLBACK_STEPS: u32 = 6;
 
 /// Extinction along a light ray inside the layer, gaps excluded.
@@ -24,17 +24,17 @@ pub trait LightRay {
     /// Extinction at distance `s_m` along it, m⁻¹, ≥ 0.
     fn extinction_per_m(&self, s_m: f64) -> f64;
 
-    /// How far from `s_m` on extinction is provably 0, metres; `None` = nothing is known.
+    /// Length from `s_m` on over which extinction is provably 0, metres; `None` = nothing is known.
     fn clear_m(&self, _s_m: f64) -> Option<f64> {
         None
     }
 }
 
-/// A twin.
+/// The f64 twin of a method.
 pub enum Twin {
-    /// A method that marches from every sample.
+    /// A method without a map.
     March(Box<dyn LightMarch>),
-    /// A method that reads a map.
+    /// A method with a map.
     Map(Box<dyn Encoding>),
 }
 
@@ -44,24 +44,24 @@ pub trait LightMarch: Send + Sync {
     fn transmittance(&self, ray: &dyn LightRay, rnd: f64) -> f64;
 }
 
-/// What a map's texel keeps of its column, and what it says of a depth.
+/// Encoding of a column in a texel, and V at a depth from it.
 pub trait Encoding: Send + Sync {
     /// Values of a texel, before storage rounds them.
     fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64>;
 
-    /// The values as the map keeps them. A method that packs values into words overrides this: where
-    /// [`Rounding::storage`] is [`FloatFormat::Packed`] it rounds each as its packing does.
+    /// The values as the map stores them. A method that packs values into words overrides this: where
+    /// [`Rounding::storage`] is [`FloatFormat::Packed`] it rounds each value as its packing does.
     fn stored(&self, values: Vec<f64>, rounding: &Rounding) -> Vec<f64> {
         let stored = values.into_iter().map(|value| rounding.stored(value));
         stored.collect()
     }
 
-    /// V at a depth, from the values as stored. Of a map in a 3-D texture they are interpolated between four columns
-    /// already, slice by slice; [`between_slices`] does the rest of a trilinear fetch.
+    /// V at a depth, from the values as stored. For a map in a 3-D texture the values are already interpolated between
+    /// four columns, slice by slice; [`between_slices`] does the rest of a trilinear fetch.
     fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64;
 }
 
-/// Where a texel is asked.
+/// Depth of a look-up, and length of the column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookUp {
     /// d/L_max, 0…1.
@@ -79,13 +79,13 @@ pub struct Column {
     pub depth_m: f64,
     /// Length of a step, metres.
     pub step_m: f64,
-    /// Where in its step a sample counts: 0.5 midpoint, 1 far end, 0 near end.
+    /// Position of a sample in its step: 0.5 midpoint, 1 far end, 0 near end.
     pub fraction: f64,
     /// Extinction of each step, m⁻¹.
     pub extinction_per_m: Vec<f64>,
 }
 
-/// Where a column's cloud begins.
+/// Definition of a column's front, where its cloud begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Front {
     /// Where T first falls below 0.99, extinction constant over a step (thesis M).
@@ -95,7 +95,7 @@ pub enum Front {
 }
 
 impl Front {
-    /// The method's parameter `front`.
+    /// Reads the method's parameter `front`.
     pub fn new(params: &Params) -> Result<Self> {
         Ok(match params.choice("front")? {
             "first" => Self::First,
@@ -129,7 +129,7 @@ impl Column {
         }
     }
 
-    /// Depth of a point of step `k` at `fraction` of the step, over L_max.
+    /// Depth of the point at `fraction` of step `k`, over L_max.
     pub fn depth_at(&self, k: usize, fraction: f64) -> f64 {
         (k as f64 + fraction) * self.step_m / self.depth_m
     }
@@ -179,7 +179,7 @@ pub fn march(
     (-tau).exp()
 }
 
-/// What answers outside a map's rectangle: six quadratic steps.
+/// V of the fallback outside a map's rectangle: a march of six quadratic steps.
 pub fn fallback(ray: &dyn LightRay) -> f64 {
     let n = f64::from(FALLBACK_STEPS);
     march(
@@ -191,8 +191,8 @@ pub fn fallback(ray: &dyn LightRay) -> f64 {
     )
 }
 
-/// What a sampler returns at `depth` in 0…1 of a column of voxels, one value each: linear between their centres, level
-/// beyond the first and the last.
+/// Value of a sampler at `depth` in 0…1 of a column of voxels, one value each: linear between the voxels' centres,
+/// constant beyond the first and the last.
 pub fn between_slices(values: &[f64], depth: f64) -> f64 {
     let last = values.len().saturating_sub(1);
     let position = (depth * values.len() as f64 - 0.5).clamp(0.0, last as f64);

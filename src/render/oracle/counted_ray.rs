@@ -1,4 +1,4 @@
-//! Extinction along a light ray through a scene, counted.
+//! Extinction along a light ray through a scene, with a counter of density samples.
 
 use super::field::OracleField;
 use super::layer::LayerRay;

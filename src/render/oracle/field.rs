@@ -1,4 +1,4 @@
-//! The density field of a scene in f64: its twin, and where extinction provably is 0.
+//! The density field of a scene in f64: its twin and its provably empty space.
 
 use crate::container::Container;
 use crate::density::occupancy::Occupancy;
@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// Points are good to much less than this share of an occupancy cell.
+/// Rounding error of a point, as a share of an occupancy cell: an upper bound.
 const CELL_SLACK: f64 = 1e-9;
 
 /// Density and extinction of a scene.
@@ -59,7 +59,7 @@ impl OracleField {
         self.twin.density(p) * self.extinction_per_m
     }
 
-    /// Distance within which extinction is provably 0 around `p`, metres; `None` = it may not be.
+    /// Distance around `p` within which extinction is provably 0, metres; `None` where it may be > 0 at `p`.
     pub fn clear_m(&self, p: DVec3) -> Option<f64> {
         let grid = self.occupancy.as_ref()?;
         let cell = (self.container.field_point(p) - DVec3::from(grid.origin_m)) / grid.cell_m;
@@ -79,7 +79,7 @@ impl OracleField {
         let [x, y, z] = index;
         let rings = grid.rings[(z * grid.size[1] + y) * grid.size[0] + x];
         let to_face = (cell - base).min(DVec3::ONE - (cell - base)).min_element();
-        // A height changes no faster than the way to it, so that field distances bound ways.
+        // Height changes no faster than the distance travelled, so that field distances bound world distances.
         (rings > 0).then(|| (f64::from(rings - 1) + to_face - CELL_SLACK).max(0.0) * grid.cell_m)
     }
 }
@@ -113,7 +113,7 @@ mod tests {
     use std::borrow::Cow;
     use std::path::Path;
 
-    /// A kind that only a device knows.
+    /// A kind that has a device form only.
     struct Untwinned;
 
     impl DensityField for Untwinned {

@@ -1,9 +1,9 @@
-//! Rays through the container, addressed by the distance travelled inside it, and heights as a share of it.
+//! Rays clipped to the container, addressed by the distance travelled inside it, and height fractions.
 
 use crate::container::{Container, Intervals};
 use glam::DVec3;
 
-/// Stands for no limit along a ray, metres.
+/// Parameter value that stands for no limit along a ray, metres.
 pub(super) const UNLIMITED_M: f64 = 1e30;
 
 /// A ray clipped to the container; gaps are not part of it.

@@ -1,4 +1,4 @@
-//! A method made ready on the oracle: V at any point of the scene.
+//! A method prepared on the oracle: V at any point of the scene.
 
 use super::counted_ray::{CountedRay, count};
 use super::layer::{LayerRay, UNLIMITED_M, ground_blocks};
@@ -12,7 +12,7 @@ use crate::occlusion::twin::{LightMarch, Twin, fallback};
 use glam::DVec3;
 use std::cell::Cell;
 
-/// What the oracle is asked to emulate.
+/// Number formats to emulate, and whether to skip empty space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Number formats of the method's values; the view march is always f64.
@@ -22,7 +22,7 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// Exact, with skipping.
+    /// Exact f64, with skipping.
     fn default() -> Self {
         Self {
             rounding: Rounding::EXACT,
@@ -32,9 +32,9 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Map values are rounded as the map's format does, all else is exact.
+    /// Map values are rounded to the map's format, all else is exact.
     pub fn stored(setup: &MethodSetup) -> Self {
-        // A plan that cannot be made is reported where the method is prepared.
+        // A plan that cannot be made is reported when the method is prepared.
         let storage = setup.stored_format().ok().flatten();
         Self {
             rounding: Rounding {
@@ -46,7 +46,7 @@ impl Options {
     }
 }
 
-/// A method in a scene. Shared between threads; texels of its map are kept.
+/// A method in a scene. Shared between threads; marched texels of its map are kept.
 pub struct Occlusion<'a> {
     pub(super) oracle: &'a Oracle,
     pub(super) skip: bool,
@@ -58,7 +58,7 @@ enum LightModel {
     Map(Box<LightMap>),
 }
 
-/// What one thread counts.
+/// Counters of one thread.
 #[derive(Default)]
 pub(super) struct Tally {
     pub view: Cell<u64>,
@@ -73,7 +73,7 @@ impl Tally {
             samples: Samples {
                 view: self.view.get(),
                 light: self.light.get(),
-                // Texels are shared: their map counts them.
+                // Texels are shared between threads: their map counts them.
                 map: 0,
             },
             look_ups: self.look_ups.get(),
@@ -108,7 +108,7 @@ impl<'a> Occlusion<'a> {
         depths_m.iter().map(at).collect()
     }
 
-    /// What texel `(u, v)` of the method's map holds, rounded as [`Options`] say; `None` without a map.
+    /// Values of texel `(u, v)` of the method's map, rounded as [`Options`] say; `None` without a map.
     pub fn texel(&self, at: [u32; 2]) -> Option<Vec<f64>> {
         match &self.kind {
             LightModel::March(_) => None,
@@ -116,7 +116,7 @@ impl<'a> Occlusion<'a> {
         }
     }
 
-    /// V behind all that a map keeps where the column is; of a method without a map, V at the column's end.
+    /// V behind the whole column, as the map stores it; for a method without a map, V at the column's end.
     pub fn behind(&self, column: &LightColumn) -> f64 {
         let p = column.point(column.length_m());
         match &self.kind {

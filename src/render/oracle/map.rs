@@ -1,5 +1,5 @@
-//! A light map in f64. Texels are marched when they are first asked for: memory follows what the view needs, not the
-//! map's size.
+//! A light map in f64. Texels are marched at their first look-up: memory grows with the texels that the view needs, not
+//! with the map's size.
 
 use super::counted_ray::CountedRay;
 use super::field::OracleField;
@@ -17,12 +17,12 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Locks among which texels are spread.
+/// Number of locks over which texels are distributed.
 const SHARDS: usize = 64;
-/// Most memory that texels of one map may come to, bytes.
+/// Largest memory of one map's texels, bytes.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// What a texel holds.
+/// Stored values of a texel.
 struct Texel {
     values: Box<[f64]>,
     /// Length of its column over L_max.
@@ -31,7 +31,7 @@ struct Texel {
     samples: u64,
 }
 
-/// How texels answer a look-up between them.
+/// Look-up between texels.
 #[derive(Clone, Copy, PartialEq)]
 enum Rule {
     Nearest,
@@ -42,7 +42,7 @@ enum Rule {
 }
 
 impl Rule {
-    /// A 3-D texture is interpolated by its one fetch, whatever else there is.
+    /// A 3-D texture is always interpolated by the sampler, whatever the parameters.
     fn new(setup: &MethodSetup, plan: &Plan) -> Result<Self> {
         let layout = plan.map.as_ref().map(|map| map.layout);
         if matches!(layout, Some(MapLayout::Volume { .. })) {
@@ -56,7 +56,7 @@ impl Rule {
     }
 }
 
-/// A light map whose texels are marched when they are first asked for.
+/// A light map whose texels are marched at their first look-up.
 pub(super) struct LightMap {
     rectangle: MapRectangle,
     container: Container,
@@ -190,12 +190,12 @@ impl LightMap {
         )
     }
 
-    /// Density samples of all texels so far.
+    /// Density samples of all texels marched so far.
     pub fn samples(&self) -> u64 {
         self.sum(|texel| texel.samples)
     }
 
-    /// Values of all texels so far that are NaN or infinite.
+    /// Values of all texels marched so far that are NaN or infinite.
     pub fn nonfinite_stored(&self) -> u64 {
         self.sum(|texel| texel.values.iter().filter(|v| !v.is_finite()).count() as u64)
     }

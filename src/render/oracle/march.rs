@@ -14,10 +14,10 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-/// Rows between two calls of a watcher, for each thread.
+/// Rows for each thread between two calls of the progress callback.
 const ROWS_A_THREAD: usize = 4;
 
-/// What a view ray shows.
+/// Values of a pixel, from its view ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Pixel {
     /// Radiance and opacity.
@@ -28,7 +28,7 @@ pub struct Pixel {
     pub inverse_depth: f32,
 }
 
-/// Light gathered along one view ray, in units of its sources.
+/// Light gathered along one view ray, relative to the radiance of its sources.
 #[derive(Clone, Copy, Debug, Default)]
 struct Gathered {
     /// Σ weight·V.
@@ -39,7 +39,7 @@ struct Gathered {
     points_m: DVec3,
     /// Σ weight·ambient, RGB.
     ambient: DVec3,
-    /// What is left of the background.
+    /// Transmittance to the background.
     transmittance: f64,
 }
 
@@ -124,7 +124,7 @@ fn view_steps(march: &March, length_m: f64) -> u32 {
 }
 
 impl Occlusion<'_> {
-    /// The picture and what it took; sums in f64, pixels in f32.
+    /// The picture and its counts; sums in f64, pixels in f32.
     pub fn render(&self, progress: Progress) -> Result<(Frame, Counts)> {
         let (width, height) = (self.oracle.image.width, self.oracle.image.height);
         let pixels = width as usize * height as usize;
@@ -142,7 +142,8 @@ impl Occlusion<'_> {
         Ok((frame, counts))
     }
 
-    /// Marches the pixels of `subset` and returns what that took; `take` is handed those of each row, from the top.
+    /// Marches the pixels of `subset` and returns the counts; `take` is called with the pixels of each row, from the
+    /// top.
     pub fn march(
         &self,
         subset: Subset,
@@ -236,7 +237,7 @@ impl Occlusion<'_> {
             sum.points_m += weight * p;
             sum.ambient += weight * oracle.ambient_radiance(p);
             sum.transmittance *= (-thickness).exp();
-            // Nothing behind this can change an f64 sum.
+            // Below this transmittance no sample can change an f64 sum.
             if sum.transmittance < f64::EPSILON / 2.0 {
                 break;
             }

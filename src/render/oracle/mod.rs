@@ -1,10 +1,10 @@
 //! The oracle: scenes, methods and the truth in f64 on the CPU.
 //!
-//! The oracle is written from the equations and shares no code with the shaders; what it shares with the device path on the CPU
-//! is the scene's geometry in f64, where a map lies, the sky's coefficients and the bounds of empty space. It serves
-//! tests (device against oracle), the split of an error into model, sampling and precision (see [`Options`]), sweeps of
-//! single columns ([`Occlusion::along`]), and pictures where no adapter exists.
-//! The crate's first page has an example.
+//! The oracle is written from the equations and shares no code with the shaders. It shares with the CPU part of the
+//! device path: the scene's geometry in f64, the placement of the map, the sky's coefficients and the bounds of empty
+//! space. It serves tests (device against oracle), the split of an error into model, sampling and precision (see
+//! [`Options`]), sweeps of single columns ([`Occlusion::along`]), and pictures where no adapter exists. The crate's
+//! first page has an example.
 
 mod counted_ray;
 mod field;
@@ -28,18 +28,18 @@ use glam::DVec3;
 use layer::{LayerRay, UNLIMITED_M};
 use std::sync::Arc;
 
-/// A scene made ready, seen at one image size.
+/// A scene prepared for one image size.
 pub struct Oracle {
     scene: Scene,
     image: ImageSize,
     field: Arc<OracleField>,
-    /// Toward the sun.
+    /// Unit vector toward the sun.
     sun: DVec3,
     /// Irradiance perpendicular to the beam, × sun_gain, RGB.
     irradiance: DVec3,
     /// The sky, and the radiance of the ground where a ray meets it.
     sky: Option<(SkyModel, DVec3)>,
-    /// At the layer's base and top, RGB radiance.
+    /// Ambient radiance at the layer's base and top, RGB.
     ambient: Option<(DVec3, DVec3)>,
 }
 
@@ -65,12 +65,12 @@ impl Oracle {
         Self::filtered(scene, image, Filter::Exact)
     }
 
-    /// The same with noise textures filtered as `filter` says.
+    /// [`Oracle::new`] with noise textures filtered as `filter` says.
     pub fn filtered(scene: &Scene, image: ImageSize, filter: Filter) -> Result<Self> {
         Self::over(Arc::new(OracleField::new(scene, filter)?), scene, image)
     }
 
-    /// Another scene or image size; the density field is kept where the scenes have the same.
+    /// An oracle for another scene or image size; the density field is kept where the scenes have the same.
     pub fn again(&self, scene: &Scene, image: ImageSize) -> Result<Self> {
         let same = self.scene.density == scene.density
             && self.scene.container == scene.container
@@ -134,12 +134,12 @@ impl Oracle {
         self.image
     }
 
-    /// A method in this scene.
+    /// Prepares a method in this scene.
     pub fn prepare(&self, setup: &MethodSetup, options: Options) -> Result<Occlusion<'_>> {
         Occlusion::new(self, setup, options)
     }
 
-    /// One picture, start to end.
+    /// Renders one picture.
     pub fn render(&self, setup: &MethodSetup, options: Options) -> Result<Frame> {
         Ok(self.prepare(setup, options)?.render(&mut unwatched)?.0)
     }

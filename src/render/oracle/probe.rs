@@ -9,8 +9,8 @@ use glam::DVec3;
 const SAMPLES: u32 = 4096;
 
 impl Oracle {
-    /// Where half of what a pixel's ray scatters has been scattered: the median of its σT, which always lies in cloud,
-    /// and where T falls to ½ on a ray that ends opaque. `None` where the ray meets no cloud.
+    /// The point at which half of the light scattered along a pixel's ray has been scattered: the median of its σT,
+    /// which always lies in cloud; on a ray that ends opaque, where T = ½. `None` where the ray meets no cloud.
     pub fn pixel_point(&self, column: u32, row: u32) -> Option<DVec3> {
         let ray = self.view_ray(self.direction(column, row));
         let step_m = ray.length_m() / f64::from(SAMPLES);
@@ -34,7 +34,7 @@ impl Oracle {
         (column.length_m() > 0.0).then_some(column)
     }
 
-    /// d(p): metres inside the layer before sunlight reaches a point.
+    /// d(p): metres inside the layer that sunlight travels before a point.
     pub fn light_depth_m(&self, p: DVec3) -> f64 {
         LayerRay::new(&self.scene.container, p, self.sun, (0.0, UNLIMITED_M)).length_m()
     }

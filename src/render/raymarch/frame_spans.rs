@@ -1,9 +1,9 @@
-//! The passes of a picture as a flight times them.
+//! Timed passes of one picture within a flight.
 
 use crate::cost::PassTimes;
 use crate::gpu::{FlightTimes, PassTime, Span};
 
-/// From the passes of a picture; `None` for a pass that it does not have.
+/// Times of a picture from those of its passes; `None` for a pass that it does not have.
 pub(super) fn pass_times(
     generate: Option<PassTime>,
     march: PassTime,

@@ -1,4 +1,4 @@
-//! The uniform that says where a light map lies.
+//! Uniform of a light map's placement.
 
 use crate::gpu::UniformValue;
 use crate::scene::MapRectangle;

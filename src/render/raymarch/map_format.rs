@@ -1,4 +1,4 @@
-//! What the texels of a light map are made of on a device, and the memory they take.
+//! Texel formats of light maps on a device, and the memory the maps take.
 
 use crate::cost::Memory;
 use crate::error::{Error, Result};
@@ -21,7 +21,7 @@ pub(super) struct TexelFormat {
     define: &'static str,
 }
 
-/// What a device can do with a format.
+/// Capabilities of a device for a format.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FormatUse {
     /// A compute shader can write it.
@@ -30,8 +30,8 @@ pub(super) struct FormatUse {
     pub filtered: bool,
 }
 
-/// The formats of one kind of number, by growing channels. There is none of three channels, and optional features give
-/// most of those that hold fewer than 32 bits.
+/// The formats of one kind of number, with 1, 2 and 4 channels; there is none with three. Most formats under 32 bits
+/// need optional features.
 fn formats(numbers: MapNumbers, half: bool) -> [(F, u32, &'static str); 3] {
     match (numbers, half) {
         (MapNumbers::Float, true) => [
@@ -62,7 +62,7 @@ fn formats(numbers: MapNumbers, half: bool) -> [(F, u32, &'static str); 3] {
     }
 }
 
-/// Bits of a float, and whether texels are interpolated by the sampler: what the parameters say where the layout asks.
+/// Wanted size of floats and filtering, from the parameters that the layout depends on.
 struct StorageRequest {
     half: bool,
     filtered: bool,
@@ -109,7 +109,8 @@ impl TexelFormat {
                 values, numbers, ..
             } => (values, numbers),
         };
-        // Arrays of floats take one channel or four: what a map of two costs stays what it was.
+        // Arrays of floats use one or four channels: two would change the memory of maps of two values against earlier
+        // records.
         let skips_two = matches!(layout, MapLayout::Array { .. }) && numbers == MapNumbers::Float;
         let fits = |channels: u32| channels >= values.min(4) && !(channels == 2 && skips_two);
         let mut missing = None;
@@ -130,13 +131,13 @@ impl TexelFormat {
         Err(unable(layout, missing))
     }
 
-    /// Texels, one above the other, that take `values`.
+    /// Array layers that hold `values` values a texel.
     pub fn layers(self, values: u32) -> u32 {
         values.div_ceil(self.channels)
     }
 }
 
-/// What the widest format lacks.
+/// The error that tells what the widest format lacks.
 fn unable(layout: MapLayout, missing: Option<(F, FormatUse)>) -> Error {
     match (layout.numbers(), missing) {
         (MapNumbers::Float, Some((_, able))) if able.stored => Error::gpu(
@@ -160,7 +161,7 @@ fn unable(layout: MapLayout, missing: Option<(F, FormatUse)>) -> Error {
     }
 }
 
-/// What `gpu` can do with a format.
+/// Capabilities of `gpu` for a format.
 pub(super) fn usable(gpu: &Gpu, format: F) -> FormatUse {
     let features = gpu.device.features();
     let specific = wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
@@ -176,7 +177,7 @@ pub(super) fn usable(gpu: &Gpu, format: F) -> FormatUse {
     }
 }
 
-/// What every device with these features can do with a format.
+/// Capabilities that every device with these features has for a format.
 fn guaranteed(format: F, features: wgpu::Features) -> FormatUse {
     of_flags(format.guaranteed_format_features(features).flags)
 }
@@ -196,7 +197,7 @@ fn anything(_: F) -> FormatUse {
     }
 }
 
-/// Memory of a plan's map in `format`, with everything beside it.
+/// Memory of a plan's map in `format` and of the resources beside it.
 pub(super) fn memory(plan: &MapPlan, format: Option<TexelFormat>, resolution: u32) -> Memory {
     let (values, slices) = match plan.layout {
         MapLayout::Array { values, .. } => (values, 1),
@@ -223,7 +224,7 @@ pub(super) fn memory(plan: &MapPlan, format: Option<TexelFormat>, resolution: u3
     }
 }
 
-/// Memory that a method takes on a device that stores every format, where no device is asked.
+/// Memory of a method on an assumed device that stores every format.
 pub fn planned_memory(setup: &MethodSetup) -> Result<Memory> {
     let Some(map) = setup.method.plan(&setup.params)?.map else {
         return Ok(Memory::default());
@@ -248,8 +249,8 @@ pub(super) fn defs(layout: MapLayout, format: Option<TexelFormat>) -> Defs {
     defs
 }
 
-/// Definitions that a method's map adds to its shaders, on a device that stores every format, or only those that every
-/// device stores.
+/// Definitions that a method's map adds to its shaders, on an assumed device that stores every format, or only the
+/// formats that every device stores.
 pub fn map_defs(setup: &MethodSetup, plan: &Plan, every_format: bool) -> Result<Defs> {
     let Some(map) = &plan.map else {
         return Ok(Defs::new());

@@ -14,10 +14,10 @@ use crate::scene::MapRectangle;
 use crate::shader_defs::Defs;
 use std::rc::Rc;
 
-/// A light map and all that fills it.
+/// A light map and the passes that fill it.
 pub(super) struct MapPasses {
     pub storage: MapStorage,
-    /// In their order.
+    /// In order of execution.
     passes: Vec<MapPass>,
 }
 
@@ -30,7 +30,7 @@ struct MapPass {
     counts: Option<wgpu::Buffer>,
 }
 
-/// What the passes of a map have in common.
+/// Context shared by the passes of a map.
 struct MapContext<'a> {
     renderer: &'a Renderer,
     view: &'a DeviceView,
@@ -41,7 +41,8 @@ struct MapContext<'a> {
 }
 
 impl MapPasses {
-    /// Allocates a map and compiles its passes. `defs` and `inputs` get what the view march needs of it.
+    /// Allocates a map and compiles its passes. The definitions and inputs that the view march needs are added to
+    /// `defs` and `inputs`.
     pub fn new(
         renderer: &Renderer,
         view: &DeviceView,
@@ -76,14 +77,14 @@ impl MapPasses {
         Ok(Self { storage, passes })
     }
 
-    /// Fills the map, tile by tile; the GPU time of all passes.
+    /// Fills the map, tile by tile; returns the GPU time of all passes.
     pub fn fill(&self, gpu: &Gpu, progress: Progress) -> Result<PassTime> {
         let run = |pass: &MapPass| pass.tiles.run(gpu, &pass.pass(), &mut *progress);
         let times: Vec<PassTime> = self.passes.iter().map(run).collect::<Result<_>>()?;
         Ok(PassTime::sum(&times))
     }
 
-    /// Records the same without waiting.
+    /// Records all passes without waiting.
     pub fn record(&self, flight: &mut Flight) -> Vec<Span> {
         let record = |pass: &MapPass| pass.tiles.record(flight, &pass.pass());
         self.passes.iter().flat_map(record).collect()
@@ -94,7 +95,7 @@ impl MapPasses {
         self.passes.iter().map(|pass| &*pass.kernel)
     }
 
-    /// Counters of each pass that counts.
+    /// Counter buffers of the passes that count.
     pub fn counts(&self) -> impl Iterator<Item = &wgpu::Buffer> {
         self.passes.iter().filter_map(|pass| pass.counts.as_ref())
     }
@@ -152,7 +153,7 @@ impl MapContext<'_> {
         let counts = counting.then(|| counts_buffer(gpu, threads));
         offer_counts(&mut inputs, counts.as_ref());
         let tiling = self.renderer.tiling;
-        // As if every invocation marched a column.
+        // Upper bound: as if every invocation marched a column.
         let steps = f64::from(self.setup.params.int("steps")?);
         let first = tiling.target_ms * SLOW_SAMPLES_A_MS / steps;
         let tiles = Tiles::new(gpu, &mut inputs, tiling, first);

@@ -1,4 +1,4 @@
-//! A light map as allocated, with the textures and buffers beside it, offered to kernels by name.
+//! GPU storage of a light map, with the textures and buffers beside it, offered to kernels by name.
 
 use super::map_format::{TexelFormat, memory};
 use crate::cost::Memory;
@@ -16,7 +16,7 @@ const TEXTURE_USAGE: wgpu::TextureUsages = wgpu::TextureUsages::STORAGE_BINDING
     .union(wgpu::TextureUsages::COPY_SRC)
     .union(wgpu::TextureUsages::COPY_DST);
 
-/// Everything that a map's passes fill.
+/// The map and the resources beside it, which the map's passes fill.
 pub(super) struct MapStorage {
     pub layout: MapLayout,
     pub resolution: u32,
@@ -25,7 +25,7 @@ pub(super) struct MapStorage {
     textures: Vec<NamedTexture>,
 }
 
-/// What holds the map itself.
+/// Storage of the map itself.
 pub(super) enum MapContent {
     Texture(wgpu::Texture, TexelFormat),
     Words(wgpu::Buffer),
@@ -39,7 +39,7 @@ struct NamedTexture {
     dimension: wgpu::TextureViewDimension,
 }
 
-/// Size and format of a texture to be made.
+/// Size and format of a texture to create.
 struct TextureSpec {
     label: &'static str,
     size: [u32; 3],
@@ -49,7 +49,7 @@ struct TextureSpec {
 }
 
 impl MapStorage {
-    /// Allocates what `plan` says and offers it to `inputs`.
+    /// Allocates the resources of `plan` and offers them to `inputs`.
     pub fn new(
         gpu: &Gpu,
         setup: &MethodSetup,
@@ -100,7 +100,7 @@ impl MapStorage {
         })
     }
 
-    /// Narrows texture variables to the levels that a pass names.
+    /// Restricts texture variables to the mip levels that a pass names.
     pub fn narrow(&self, pass: &MethodPass, inputs: &mut Inputs) -> Result<()> {
         for (variable, level) in &pass.levels {
             let named = |t: &&NamedTexture| [t.read, t.write].contains(variable);
@@ -135,7 +135,7 @@ impl NamedTexture {
     }
 }
 
-/// The texture of a map: layers, or slices of a volume.
+/// Creates the texture of a map: array layers, or slices of a volume.
 fn map_texture(
     gpu: &Gpu,
     plan: &MapPlan,
@@ -168,7 +168,7 @@ fn map_texture(
     named_texture(gpu, names, &spec)
 }
 
-/// A texture beside the map; a buffer is offered at once.
+/// Creates a texture beside the map; a buffer is created and offered at once, with `None` returned.
 fn beside(gpu: &Gpu, resource: &MapResource, inputs: &mut Inputs) -> Result<Option<NamedTexture>> {
     let names = [resource.read, resource.write];
     let (size, levels, format, dimension) = match resource.kind {

@@ -1,4 +1,4 @@
-//! What a light map holds, read back.
+//! Values of a light map, read back from the device.
 
 use super::map_storage::{MapContent, MapStorage};
 use crate::error::Result;
@@ -7,7 +7,7 @@ use crate::gpu::{Gpu, read_buffer, read_texture};
 use crate::occlusion::plan::{MapLayout, MapNumbers};
 use half::f16;
 
-/// The values of a light map as its method stored them.
+/// Values of a light map as its method stored them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapTexels {
     /// Edge of the square map, texels.
@@ -63,7 +63,7 @@ impl MapTexels {
     }
 }
 
-/// Stored values as numbers; words as the whole numbers that they are.
+/// Stored values as numbers; words as integers.
 fn decoded(bytes: &[u8], numbers: MapNumbers, value_bytes: u32) -> Vec<f32> {
     let two = || bytes.as_chunks::<2>().0.iter();
     let four = || bytes.as_chunks::<4>().0.iter();

@@ -1,4 +1,5 @@
-//! The renderer: a scene and a method become a picture, its times, its memory and its counts. Knows no window.
+//! The renderer: renders a scene with a method on a device, with pass times, memory and counts. Independent of any
+//! window.
 
 mod frame_spans;
 mod inputs;
@@ -33,22 +34,22 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Rows of a workgroup of the view march: bands of so many rows are finished one after the other from the top.
+/// Rows of a workgroup of the view march: bands of this many rows are finished one after the other from the top.
 pub const BAND_ROWS: u32 = 8;
 
 /// Renders on one device and keeps its compiled kernels.
 pub struct Renderer {
     /// The device.
     pub gpu: Gpu,
-    /// How passes of methods prepared from now on are cut.
+    /// Tiling of the passes of methods prepared from now on.
     pub tiling: Tiling,
     kernels: RefCell<HashMap<KernelKey, Rc<Kernel>>>,
-    /// The last density field: consecutive views often differ in sun or image size alone.
+    /// The last density field, with its key: consecutive views often differ in sun or image size alone.
     density: RefCell<Option<(String, Rc<DeviceField>)>>,
     clock_watch: OnceCell<ClockWatch>,
 }
 
-/// Entry file, its entry point where it has several, roles and definitions: all that a kernel depends on.
+/// Key of a compiled kernel: entry file, its entry point where it has several, roles and definitions.
 type KernelKey = (String, Option<String>, Vec<(String, String)>, Defs);
 
 impl Renderer {
@@ -63,7 +64,7 @@ impl Renderer {
         }
     }
 
-    /// How fast the device runs; made when it is first asked for.
+    /// Clock watch of the device; created at the first call.
     pub fn clock_watch(&self) -> Result<&ClockWatch> {
         match self.clock_watch.get() {
             Some(watch) => Ok(watch),
@@ -74,7 +75,7 @@ impl Renderer {
         }
     }
 
-    /// Takes other shader texts if `check` accepts what is compiled of them; else everything stays as it was.
+    /// Replaces the shader texts if `check` accepts the kernels compiled from them; else restores the old ones.
     pub fn reload(
         &mut self,
         sources: Sources,
@@ -94,7 +95,7 @@ impl Renderer {
         self.kernel_of(&self.gpu.sources, program, None)
     }
 
-    /// The same for a program of a method, which brings its own text where the shaders in use have none.
+    /// [`Renderer::kernel`] for a program of a method, with the method's own text where the shaders in use have none.
     fn method_kernel(
         &self,
         method: &MethodInfo,
@@ -145,7 +146,7 @@ impl Renderer {
             container_shader: view::container_shader(scene),
             inputs: &inputs,
         };
-        // What a field is built from, as JSON: the calibration reads container and extinction too.
+        // Key of the field, as JSON: the calibration also reads container and extinction.
         let key = serde_json::json!([
             scene.density,
             scene.container,
@@ -166,8 +167,8 @@ impl Renderer {
         DeviceView::new(&self.gpu, scene, image, density, inputs)
     }
 
-    /// Compiles and allocates what a method needs in a view, for the frames of `sequence`: [`Frames::full`], or what a
-    /// reconstruction brings. With counters in the place of a clock where counts are wanted.
+    /// Compiles and allocates the passes of a method in a view, for the frames of `sequence`: [`Frames::full`], or that
+    /// of a reconstruction. With counting, kernels have counters and are not timed.
     pub fn prepare(
         &self,
         view: &DeviceView,
@@ -178,7 +179,7 @@ impl Renderer {
         PreparedPasses::new(self, view, setup, sequence, counting == Counting::On)
     }
 
-    /// The same for pictures of which every pixel is marched, by the clock.
+    /// [`Renderer::prepare`] for pictures of which every pixel is marched, timed.
     pub fn prepare_full(&self, view: &DeviceView, setup: &MethodSetup) -> Result<PreparedPasses> {
         self.prepare(view, setup, &Frames::full(), Counting::Off)
     }

@@ -1,4 +1,4 @@
-//! A picture on the device: what a march writes, and what the passes after it read.
+//! A picture on the device: the output of a march and the input of the passes after it.
 
 use crate::error::Result;
 use crate::frame::Frame;
@@ -18,12 +18,12 @@ pub struct DevicePicture {
     radiance: wgpu::Buffer,
     /// Sunlight and mean V.
     sun: wgpu::Buffer,
-    /// 1/mean depth along the optical axis, m⁻¹; 0 where nothing is seen. `None` where nobody asks for it.
+    /// 1/mean depth along the optical axis, m⁻¹; 0 where there is no medium. `None` where no pass needs it.
     inverse_depth: Option<wgpu::Buffer>,
 }
 
 impl DevicePicture {
-    /// An empty picture; [`Gpu::check`] tells whether it fitted.
+    /// An empty picture; [`Gpu::check`] tells whether memory sufficed.
     pub fn new(gpu: &Gpu, image: ImageSize, inverse_depth: bool) -> Self {
         let pixels = u64::from(image.width) * u64::from(image.height);
         let buffer = |name, pixel_bytes: u64| {
@@ -48,7 +48,7 @@ impl DevicePicture {
         }
     }
 
-    /// The picture as it is now.
+    /// Reads the picture back.
     pub fn read(&self, gpu: &Gpu) -> Result<Frame> {
         let ImageSize { width, height } = self.image;
         let bytes = u64::from(width) * u64::from(height) * RGBA_BYTES;

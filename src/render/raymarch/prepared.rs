@@ -1,5 +1,4 @@
-//! A method made ready in a view: kernels, map texture, bind groups; then run as often as wanted, each time the next frame
-//! of a sequence.
+//! A method prepared in a view: kernels, map texture, bind groups. Each run renders the next frame of a sequence.
 
 use super::frame_spans::{FrameSpans, pass_times};
 use super::map_pass::{MapPasses, counts_buffer, offer_counts};
@@ -17,7 +16,7 @@ use crate::progress::Progress;
 use std::rc::Rc;
 use std::time::Instant;
 
-/// Rows of the first tile of a march, whose speed is not known yet.
+/// Rows of the first tile of a march, while its speed is unknown.
 const FIRST_TILE_ROWS: u32 = 8;
 
 /// A method in a view, its passes compiled and bound.
@@ -26,7 +25,7 @@ pub struct PreparedPasses {
     pub memory: Memory,
     map: Option<MapPasses>,
     march: Rc<Kernel>,
-    /// Bind groups of the march of each turn.
+    /// Bind groups of the march, for each turn of the sequence.
     groups: Vec<Vec<wgpu::BindGroup>>,
     outputs: Outputs,
     tiles: Tiles,
@@ -97,7 +96,7 @@ impl PreparedPasses {
         })
     }
 
-    /// Renders the next frame, tile by tile; `progress` hears the share of the view march.
+    /// Renders the next frame, tile by tile; `progress` is called with the share of the view march, 0…1.
     pub fn run(&self, gpu: &Gpu, progress: Progress) -> Result<PassTimes> {
         let after = self.outputs.bind(gpu)?;
         let start = Instant::now();
@@ -119,9 +118,9 @@ impl PreparedPasses {
         Ok(pass_times(generate, march, reconstruct, wall))
     }
 
-    /// Renders the next `frames` frames without waiting between them, all passes of each in one submission, as an engine
-    /// does; the times of each. `meanwhile` is called while they are under way. Run once before: how long a pass takes, and
-    /// so whether it must be cut into tiles, is not known earlier.
+    /// Renders the next `frames` frames without waiting between them, all passes of each in one submission, as an
+    /// engine does; returns the times of each. `meanwhile` is called while they are in flight. Call [`Self::run`] once
+    /// before: it measures how long the passes take, and so whether they must be cut into tiles.
     pub fn repeat(
         &self,
         gpu: &Gpu,
@@ -145,7 +144,7 @@ impl PreparedPasses {
         Ok(spans.iter().map(|s| s.times(&finished, frames)).collect())
     }
 
-    /// The march of the next frame.
+    /// Dispatch of the march of the next frame.
     fn pass(&self) -> Pass<'_> {
         Pass {
             kernel: &self.march,
@@ -155,18 +154,19 @@ impl PreparedPasses {
         }
     }
 
-    /// The picture of the last frame. A view has one for all methods that march into it: ask before another runs there.
+    /// Reads back the picture of the last frame. All methods that march into the view share its picture: read it before
+    /// another method runs there.
     pub fn picture(&self, gpu: &Gpu) -> Result<Frame> {
         self.outputs.read(gpu)
     }
 
-    /// The light map of the last run; `None` for a method without one.
+    /// Reads back the light map of the last run; `None` for a method without one.
     pub fn map_texels(&self, gpu: &Gpu) -> Result<Option<MapTexels>> {
         let read = |map: &MapPasses| MapTexels::read(gpu, &map.storage);
         self.map.as_ref().map(read).transpose()
     }
 
-    /// Counters of the last run; zero unless prepared for counting.
+    /// Reads back the counters of the last run; zero unless prepared for counting.
     pub fn counts(&self, gpu: &Gpu) -> Result<Counts> {
         let [view, light, look_ups, fallbacks] = sum_counts(gpu, self.march_counts.as_ref())?;
         let mut map = 0;
@@ -182,8 +182,9 @@ impl PreparedPasses {
     }
 }
 
-/// llvmpipe ends the loops of an invocation after 65 535 turns in all of them together (LP_MAX_TGSI_LOOP_ITERATIONS,
-/// without a word): there a view ray is marched in several dispatches. Elsewhere in one.
+/// Steps of a view ray in one dispatch. llvmpipe silently ends the loops of an invocation after 65 535 iterations of
+/// all of them together (LP_MAX_TGSI_LOOP_ITERATIONS): there a view ray is marched in several dispatches, elsewhere in
+/// one.
 fn steps_a_dispatch(gpu: &Gpu, view: &DeviceView, setup: &MethodSetup) -> Result<u32> {
     const TURNS: f64 = 60_000.0;
     if gpu.info.driver != "llvmpipe" {
@@ -213,7 +214,7 @@ fn numeric_params(setup: &MethodSetup) -> Vec<(&'static str, UniformValue)> {
     setup.params.iter().filter_map(number).collect()
 }
 
-/// A numeric parameter that neither a uniform nor a definition carries would be ignored in silence.
+/// Refuses a numeric parameter that neither a uniform nor a definition carries: it would silently have no effect.
 fn check_params_read(setup: &MethodSetup, march: &Kernel, map: Option<&MapPasses>) -> Result<()> {
     let plan = setup.method.plan(&setup.params)?;
     let of_map = map.into_iter().flat_map(MapPasses::kernels);

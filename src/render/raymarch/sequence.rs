@@ -1,9 +1,9 @@
-//! Frames that follow each other on a device: where each is marched to, and the passes after its march that make a picture
-//! of what was marched.
+//! Sequences of frames on a device: the picture that each frame is marched into, and the reconstruction passes after
+//! its march.
 //!
-//! A reconstruction ([`crate::reconstruct`]) brings a [`DeviceSequence`]; what a frame needs to be marched is the same for
-//! all of them and is kept in its [`Frames`]. A sequence outlives the view of a frame: a camera that moves has a view, and
-//! so a [`super::PreparedPasses`], of its own in every frame.
+//! A reconstruction ([`crate::reconstruct`]) brings a [`DeviceSequence`]; the state that the march of a frame needs is
+//! the same for all of them and is kept in its [`Frames`]. A sequence outlives the view of a frame: with a moving
+//! camera each frame has its own view, and so its own [`super::PreparedPasses`].
 
 use super::picture::DevicePicture;
 use super::{DeviceView, Renderer};
@@ -15,8 +15,8 @@ use crate::shader_defs::Defs;
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-/// A pass after the march of a frame. It binds by name what [`DeviceSequence::inputs`] offers, the picture that was marched
-/// to (`radiance_out`, `sun_out`, `inverse_depth_out`), the marched pixels (`subset`) and the uniforms of the scene.
+/// A pass after the march of a frame. It binds by name the resources of [`DeviceSequence::inputs`], the marched picture
+/// (`radiance_out`, `sun_out`, `inverse_depth_out`), the marched pixels (`subset`) and the uniforms of the scene.
 #[derive(Clone, Debug)]
 pub struct AfterPass {
     /// File with the entry point, path below `shaders/`.
@@ -29,7 +29,7 @@ pub struct AfterPass {
 
 /// The device part of a reconstruction: a sequence of frames of one image size.
 pub trait DeviceSequence {
-    /// Where its frames are marched to, and how many there were.
+    /// State of the sequence: its pictures, its turn and the camera of the last frame.
     fn frames(&self) -> &Frames;
 
     /// The passes after the march of every frame, in order.
@@ -37,25 +37,26 @@ pub trait DeviceSequence {
         Vec::new()
     }
 
-    /// What those of the next frame, seen by `camera`, read beside what every pass may.
+    /// Further inputs of those passes for the next frame, seen by `camera`.
     fn inputs(&self, _camera: &Camera) -> Inputs {
         Inputs::default()
     }
 }
 
-/// The state that every sequence of frames has.
+/// State that every sequence of frames has.
 pub struct Frames {
     pattern: Pattern,
-    /// Pictures that take turns; none to march into the view's own.
+    /// Pictures used in turn; empty to march into the view's own.
     pictures: Vec<DevicePicture>,
-    /// Next frame, counted modulo [`Frames::turns`].
+    /// Next frame, modulo [`Frames::turns`].
     turn: Cell<usize>,
     /// Camera of the frame before; `None` at the start of the sequence.
     camera: RefCell<Option<Camera>>,
 }
 
 impl Frames {
-    /// Frames that march `pattern` into `count` pictures of their own, which take turns: so a frame finds those before it.
+    /// Frames that march `pattern` into `count` pictures of their own, used in turn, so that a frame can read earlier
+    /// ones.
     pub fn new(
         gpu: &Gpu,
         image: ImageSize,
@@ -72,7 +73,7 @@ impl Frames {
         })
     }
 
-    /// Frames that march `pattern` into the picture of their view and remember nothing.
+    /// Frames that march `pattern` into the picture of their view and keep no history.
     pub fn in_view(pattern: Pattern) -> Self {
         Self {
             pattern,
@@ -92,7 +93,7 @@ impl Frames {
         self.pattern.subset(self.turn.get())
     }
 
-    /// The picture that the last frame was marched to, if the sequence has pictures of its own.
+    /// The picture that the last frame was marched into, if the sequence has pictures of its own.
     pub fn before(&self) -> Option<&DevicePicture> {
         self.picture(self.turn.get() + self.turns() - 1)
     }
@@ -107,7 +108,7 @@ impl Frames {
         self.pictures.iter().map(DevicePicture::bytes).sum()
     }
 
-    /// Frames until the same picture is marched to at the same pixels again.
+    /// Length of the cycle after which the same picture is marched at the same pixels again, frames.
     fn turns(&self) -> usize {
         let (frames, pictures) = (self.pattern.frames(), self.pictures.len().max(1));
         let mut turns = frames;
@@ -133,14 +134,14 @@ impl DeviceSequence for Frames {
     }
 }
 
-/// A sequence seen by one view: where the march writes, and the compiled passes after it.
+/// A sequence in one view: the outputs of the march, and the compiled passes after it.
 pub(super) struct Outputs {
     sequence: Rc<dyn DeviceSequence>,
     view: DevicePicture,
     scene: Inputs,
     camera: Camera,
     passes: Vec<(Rc<Kernel>, [u32; 2])>,
-    /// What the march of each turn writes.
+    /// Outputs of the march, for each turn.
     turns: Vec<Inputs>,
 }
 
@@ -179,7 +180,7 @@ impl Outputs {
         })
     }
 
-    /// Definitions of a march that writes here.
+    /// Adds the definitions of a march that writes here.
     pub fn define(&self, defs: &mut Defs) {
         let Frames {
             pattern, pictures, ..
@@ -192,12 +193,12 @@ impl Outputs {
         }
     }
 
-    /// Threads of a march that writes here: one for each block of the picture.
+    /// Threads of a march that writes here: one for each block of pixels.
     pub fn threads(&self) -> [u32; 2] {
         self.sequence.frames().subset().blocks(self.view.image())
     }
 
-    /// What the march of each turn writes.
+    /// Outputs of the march, for each turn.
     pub fn turns(&self) -> &[Inputs] {
         &self.turns
     }
@@ -207,7 +208,7 @@ impl Outputs {
         self.sequence.frames().turn.get()
     }
 
-    /// What the passes of the next frame bind.
+    /// Bind groups of the passes of the next frame.
     pub fn bind(&self, gpu: &Gpu) -> Result<Vec<Vec<wgpu::BindGroup>>> {
         let own = self.sequence.inputs(&self.camera);
         let inputs = [&own, &self.turns[self.turn()], &self.scene];
@@ -217,7 +218,7 @@ impl Outputs {
             .collect()
     }
 
-    /// Records those passes.
+    /// Records the passes of the next frame.
     pub fn record(&self, flight: &mut Flight, groups: &[Vec<wgpu::BindGroup>]) -> Vec<Span> {
         let passes = self.passes.iter().zip(groups);
         let record = |((kernel, [x, y]), groups): (&(Rc<Kernel>, [u32; 2]), &Vec<_>)| {
@@ -226,7 +227,7 @@ impl Outputs {
         passes.map(record).collect()
     }
 
-    /// The next frame is recorded: the one after it has its turn.
+    /// Advances to the next turn once a frame is recorded.
     pub fn advance(&self) {
         self.sequence.frames().advance(&self.camera);
     }

@@ -1,5 +1,5 @@
-//! A pass over a picture or a map in dispatches that end in time: drivers reset a device that is busy for about 2 s, and
-//! a window that shares the queue waits for every dispatch before its own.
+//! Tiling of a pass over a picture or a map into dispatches of bounded duration: drivers reset a device that is busy
+//! for about 2 s, and a window that shares the queue waits for every dispatch before its own.
 
 use crate::error::{Error, Result};
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, PassTime, Resource, Span};
@@ -7,13 +7,13 @@ use crate::progress::Progress;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-/// How a pass is cut.
+/// Tiling of a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tiling {
-    /// Duration that a tile aims at, ms.
+    /// Target duration of a tile, ms.
     pub target_ms: f64,
-    /// About the most tiles of a pass, even when each is then longer: what else waits for the queue stretches the time
-    /// that a tile seems to take.
+    /// Approximate limit to the tiles of a pass, even if each is then longer than the target: other work in the queue
+    /// makes a tile seem slower than it is.
     pub most: u32,
 }
 
@@ -24,8 +24,8 @@ impl Tiling {
         most: u32::MAX,
     };
 
-    /// A window waits for the same queue: a frame of the screen a tile; on a software adapter, which needs longer for the
-    /// window itself, a few.
+    /// A window waits for the same queue: a tile takes about a frame of the screen; on a software adapter, which takes
+    /// longer to draw the window itself, a few.
     pub fn beside_a_window(gpu: &Gpu) -> Self {
         match gpu.is_software() {
             true => Self {
@@ -40,22 +40,23 @@ impl Tiling {
     }
 }
 
-/// Density samples a millisecond that the slowest adapter of interest takes: for tiles before the first was timed.
+/// Density samples a millisecond of the slowest adapter of interest: sizes tiles before the first is timed.
 pub(super) const SLOW_SAMPLES_A_MS: f64 = 5e4;
 
-/// Cuts a rectangle of threads into tiles: whole bands while a band fits the aim, else parts of the lowest band.
+/// Cuts a rectangle of threads into tiles: whole bands while a band fits the target, else parts of a band one workgroup
+/// high.
 pub(super) struct Tiles {
     tiling: Tiling,
-    /// Threads of a tile that takes about the aimed time, as far as is known.
+    /// Threads of a tile that takes about the target duration, as estimated so far.
     threads: Cell<f64>,
-    /// How long the last run took.
+    /// Duration of the last run.
     taken: Cell<Option<Taken>>,
     uniform: wgpu::Buffer,
-    /// What the uniform holds once everything that was recorded is submitted.
+    /// Content of the uniform once all recorded work is submitted.
     written: Cell<[u32; 6]>,
 }
 
-/// How long a pass took in tiles, seen from the CPU.
+/// CPU-side duration of a pass in tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Taken {
     /// All tiles, ms.
@@ -64,20 +65,20 @@ struct Taken {
     worst_ms: f64,
 }
 
-/// What one dispatch covers.
+/// Rectangle of threads of one dispatch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tile {
     origin: [u32; 2],
     size: [u32; 2],
 }
 
-/// A pass to be cut.
+/// A pass to be tiled.
 pub(super) struct Pass<'a> {
     pub kernel: &'a Kernel,
     pub groups: &'a [wgpu::BindGroup],
     /// Threads.
     pub size: [u32; 2],
-    /// Turns of the shader's outer loop, and how many of them a dispatch takes.
+    /// Iterations of the shader's outer loop, and how many of them a dispatch takes.
     pub steps: [u32; 2],
 }
 
@@ -96,8 +97,8 @@ impl Tiles {
         }
     }
 
-    /// Runs a pass from the top, waiting for every tile; its GPU time. `progress` hears the finished share after every
-    /// tile, and bands of [`BAND_ROWS`](super::BAND_ROWS) rows are finished one after the other.
+    /// Runs a pass from the top, waiting for every tile; returns its GPU time. `progress` is called with the finished
+    /// share after every tile, and bands of [`BAND_ROWS`](super::BAND_ROWS) rows are finished one after the other.
     pub fn run(&self, gpu: &Gpu, pass: &Pass, progress: Progress) -> Result<PassTime> {
         let [width, height] = pass.size;
         let least = f64::from(width) * f64::from(height) / f64::from(self.tiling.most);
@@ -126,8 +127,8 @@ impl Tiles {
         Ok(PassTime::sum(&total))
     }
 
-    /// Records a pass without waiting, in one dispatch unless that would take longer than the driver waits for one; a
-    /// software adapter waits for ever. How long it takes is known from [`Tiles::run`].
+    /// Records a pass without waiting, in one dispatch unless that would exceed the driver's time limit; a software
+    /// adapter has none. Durations are known from [`Tiles::run`].
     pub fn record(&self, flight: &mut Flight, pass: &Pass) -> Vec<Span> {
         let threads = match self.taken.get() {
             _ if flight.is_software() => f64::INFINITY,
@@ -169,7 +170,7 @@ impl Taken {
         self.worst_ms = self.worst_ms.max(ms / threads);
     }
 
-    /// Threads of a tile that takes no longer than aimed at, wherever it lies in the picture: its rows differ in cost.
+    /// Threads of a tile that stays within the target anywhere in the picture: the cost of rows differs.
     fn most_threads(self, tiling: Tiling) -> f64 {
         match self.all_ms <= tiling.target_ms {
             true => f64::INFINITY,
@@ -178,8 +179,8 @@ impl Taken {
     }
 }
 
-/// Threads of the tile after one that took `ms`: toward the aimed time, at most doubling. A tile that the rectangle's edge
-/// cut says how fast the device is, not how large a tile may be.
+/// Threads of the tile after one that took `ms`: toward the target, at most doubling. A tile cut by the edge of the
+/// rectangle gives the device's speed, but no bound on the size of a tile.
 fn next_aim(tiling: Tiling, threads: f64, tile: Tile, ms: f64) -> f64 {
     let taken = f64::from(tile.size[0]) * f64::from(tile.size[1]);
     let fitting = taken * tiling.target_ms / ms.max(0.01);

@@ -1,4 +1,4 @@
-//! A scene on the device, seen at one image size: what every method and the truth share.
+//! A scene on the device at one image size, shared by every method and the truth.
 
 use super::inputs::scene_inputs;
 use super::picture::{DevicePicture, RGBA_BYTES};
@@ -11,7 +11,7 @@ use crate::scene::{Container, Integration, Scene};
 use crate::shader_defs::Defs;
 use std::rc::Rc;
 
-/// A scene on the device, seen at one image size.
+/// A scene on the device at one image size.
 pub struct DeviceView {
     /// The scene.
     pub scene: Scene,
@@ -72,7 +72,7 @@ impl DeviceView {
         self.skip
     }
 
-    /// Files that play the roles of a march in this view.
+    /// Role → file of a march in this view.
     pub(super) fn roles<'a>(&'a self, occlusion: &'a str) -> Vec<(&'a str, &'a str)> {
         vec![
             ("container", container_shader(&self.scene)),

@@ -1,4 +1,4 @@
-//! Every pixel is marched in every frame: nothing to reconstruct.
+//! The reconstruction that marches every pixel in every frame.
 
 use super::{OracleSequence, Reconstruction};
 use crate::cost::Counts;
@@ -11,7 +11,7 @@ use crate::raymarch::{DeviceSequence, Frames};
 use crate::scene::{ImageSize, Pattern, ReconstructionInfo, RestInfo};
 use std::rc::Rc;
 
-/// What it is.
+/// Description of the reconstruction.
 pub(super) static INFO: ReconstructionInfo = ReconstructionInfo {
     id: ReconstructionInfo::FULL,
     title: "Full pictures",

@@ -1,8 +1,8 @@
-//! The ways to make a picture of what frames march, and their registry.
+//! Reconstructions, which make pictures of the pixels that frames march, and their registry.
 //!
-//! A reconstruction says which pixels each frame marches ([`crate::scene::Pattern`]) and brings what happens after that:
-//! passes on a device ([`DeviceSequence`]) and the same in f64 ([`OracleSequence`]). Everything else is told by its
-//! [`ReconstructionInfo`]: the schema of experiments, what a batch measures, what a report says of it. A new one is one Rust
+//! A reconstruction declares which pixels each frame marches ([`crate::scene::Pattern`]) and implements the rest of the
+//! frame: passes on a device ([`DeviceSequence`]) and the same in f64 ([`OracleSequence`]). The schema of experiments,
+//! the measurements of a batch and the text of a report follow from its [`ReconstructionInfo`]. A new one is one Rust
 //! file, its WGSL file in `shaders/reconstruct` where it has passes, and one line of [`REGISTRY`].
 
 mod full;
@@ -27,18 +27,18 @@ use serde::{Deserialize, Deserializer};
 use std::rc::Rc;
 use std::sync::LazyLock;
 
-/// Every reconstruction, in the order they are listed to people.
+/// Every reconstruction, in the order of lists and menus.
 pub const REGISTRY: &[&dyn Reconstruction] = &[&full::Full, &temporal_2x2::TEMPORAL_2X2];
 
-/// A way to make pictures of what frames march.
+/// A reconstruction: makes pictures of the pixels that frames march.
 pub trait Reconstruction: Sync {
-    /// What it is, marches and remembers.
+    /// Its description: id, pattern, history.
     fn info(&self) -> &'static ReconstructionInfo;
 
-    /// A sequence of frames on a device that remembers nothing yet.
+    /// A new sequence of frames on a device, without history.
     fn on_device(&self, gpu: &Gpu, image: ImageSize) -> Result<Rc<dyn DeviceSequence>>;
 
-    /// The same in f64 on the CPU.
+    /// A new sequence of frames in f64 on the CPU, without history.
     fn on_oracle(&self, image: ImageSize) -> Box<dyn OracleSequence>;
 }
 
@@ -61,7 +61,7 @@ pub fn find(id: &str) -> Result<&'static dyn Reconstruction> {
     })
 }
 
-/// What is known of the one that marches every pixel.
+/// Description of the reconstruction that marches every pixel.
 pub fn full() -> &'static ReconstructionInfo {
     &full::INFO
 }
@@ -72,7 +72,7 @@ fn infos() -> impl Iterator<Item = &'static ReconstructionInfo> {
     REGISTRY.iter().map(|r| r.info())
 }
 
-/// Reads an id of the registry, for records.
+/// Deserialises the id of a registered reconstruction, for records.
 pub fn deserialize<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<&'static ReconstructionInfo, D::Error> {
@@ -81,12 +81,12 @@ pub fn deserialize<'de, D: Deserializer<'de>>(
     found.ok_or_else(|| serde::de::Error::unknown_variant(&id, &IDS))
 }
 
-/// Schema of such an id.
+/// Schema of the id of a reconstruction.
 pub fn schema(_: &mut SchemaGenerator) -> Schema {
     json_schema!({"type": "string", "enum": *IDS})
 }
 
-/// Everything that experiments name by an id, as the configuration sees it: methods and reconstructions.
+/// The registries as the configuration's catalogue: methods and reconstructions.
 pub struct Registry;
 
 impl MethodCatalogue for Registry {

@@ -3,12 +3,13 @@
 use super::reprojection::Reprojection;
 use crate::scene::{HistoryInfo, Pattern, ReconstructionInfo, RestInfo};
 
-/// Column and row inside its 2 × 2 block of the pixel that each of four consecutive frames marches: the order of Bayer's
-/// matrix (Bayer 1973). Row by row, a pan of one pixel a frame would march the same half of the cloud for ever.
+/// Column and row of the pixel that each of four consecutive frames marches inside its 2 × 2 block: the order of
+/// Bayer's matrix (Bayer 1973). In row-by-row order, a pan of one pixel a frame would always march the same half of the
+/// cloud.
 ///
-/// No cycle of four is without such a pan: of those along rows, columns and diagonals each reaches all of the cloud along
-/// one alone. On a pan of one pixel a frame along columns or diagonals this one marches every other row of the cloud for
-/// ever, and never those between.
+/// Every cycle of four has such a pan: of pans along rows, columns and diagonals, each cycle reaches all of the cloud
+/// along one kind alone. With this cycle, a pan of one pixel a frame along columns or diagonals marches every other row
+/// of the cloud only, and never those between.
 const BAYER: [[u32; 2]; 4] = [[0, 0], [1, 1], [1, 0], [0, 1]];
 
 static INFO: ReconstructionInfo = ReconstructionInfo {

@@ -162,8 +162,8 @@ fn homogeneous_box_agrees_with_ray_box_distances() {
     );
 }
 
-/// Furnace: albedo 1 in uniform ambient light and no sun, against black, gives ambient × opacity. Both are sums of the same weights: 64
-/// roundings of 2⁻²⁴.
+/// Furnace: albedo 1 in uniform ambient light and no sun, against black, gives ambient × opacity. Both are sums of the
+/// same weights: 64 roundings of 2⁻²⁴.
 #[test]
 fn a_furnace_returns_what_it_receives() {
     needs_adapter!();
@@ -357,7 +357,7 @@ fn long_marches_are_not_cut_short() {
     }
 }
 
-/// The density scales extinction: density 2 at σ/2 is the same medium.
+/// Extinction is density × `extinction_per_m`: density 2 at σ/2 is the same medium.
 #[test]
 fn density_and_extinction_multiply() {
     needs_adapter!();

@@ -1,4 +1,4 @@
-//! What every occlusion method promises, checked over the registry.
+//! Requirements on every occlusion method, checked over the registry.
 
 extern crate occlab_render as occlab;
 
@@ -24,7 +24,7 @@ const IMAGE: ImageSize = ImageSize {
     width: 16,
     height: 12,
 };
-/// Small maps: the scenes are smooth.
+/// Resolution of small maps: the scenes are smooth.
 const SMALL_MAP: &str = "resolution=128 steps=64";
 
 fn ids() -> impl Iterator<Item = &'static str> {
@@ -76,7 +76,7 @@ fn descriptions_are_complete() {
     }
 }
 
-/// What tables, charts, the window and the tests take from the registry: nobody else knows it.
+/// The facts that tables, charts, the window and the tests take from the registry, their only source.
 #[test]
 fn every_fact_that_others_need_is_there() {
     for method in REGISTRY {
@@ -224,9 +224,9 @@ fn expected_v(scene: &Scene, column: u32, row: u32) -> f64 {
     sum / weights
 }
 
-/// A homogeneous layer is inside the model of every method, so that V = exp(−σd). Tolerances, relative RMSE of V:
-/// 1e-4 (256 view steps, f32 sums; 1e-5 is measured), with f16 texels 2e-3 (a coefficient is good to 2⁻¹¹ and τ reaches 4). ESM's extinction is c/L_max whatever the medium's: it is given
-/// c = σ·L_max and, like BSM, the front at the near edge, since the threshold of 0.99 leaves out τ = 0.01.
+/// A homogeneous layer is exact in every method's model: V = exp(−σd). Tolerances, relative RMSE of V: 1e-4 (256 view
+/// steps, f32 sums; measured 1e-5), with f16 texels 2e-3 (coefficients good to 2⁻¹¹, τ up to 4). ESM, of extinction
+/// c/L_max, gets c = σ·L_max and, like BSM, the front at the near edge: the threshold 0.99 leaves out τ = 0.01.
 #[test]
 fn a_homogeneous_layer_is_exact() {
     needs_adapter!();
@@ -297,7 +297,7 @@ fn assert_finite(what: &str, frame: &Frame) {
     );
 }
 
-/// Only stable forms promise this; the published ones are kept to show where they fail.
+/// Only stable forms must be finite; the published ones are kept to show where they fail.
 #[test]
 fn extreme_media_give_finite_pictures() {
     needs_adapter!();

@@ -1,4 +1,4 @@
-//! What every kind of density promises, checked over the registry with the examples that each kind gives.
+//! Requirements on every kind of density, checked over the registry with the examples of each kind.
 
 extern crate occlab_render as occlab;
 
@@ -78,7 +78,7 @@ fn kinds_are_registered_once_and_read_what_they_write() {
     }
 }
 
-/// What the command line and the window change is the field's own.
+/// Files, seeds and numbers that the command line and the window change are members of the field itself.
 #[test]
 fn files_seeds_and_controls_are_members_of_the_field() {
     let folder = tempfile::tempdir().unwrap();
@@ -126,9 +126,9 @@ fn distance(a: &Frame, b: &Frame) -> f64 {
     .fold(0.0, f64::max)
 }
 
-/// A device's picture, without and with skipping of empty space, is the twin's: to the rounding of f32, or, where hardware
-/// filters textures of 8 bits, to 1e-2 of the nearest filter. A sun 5° higher is told apart. A kind without a twin is
-/// refused by the oracle.
+/// The device's picture, with and without skipping of empty space, equals the twin's: to the rounding of f32, or, where
+/// hardware filters textures of 8 bits, to 1e-2 with the nearest filter. A sun 5° higher must differ by more. The
+/// oracle refuses a kind without a twin.
 #[test]
 fn device_and_twin_agree() {
     needs_adapter!();
@@ -155,7 +155,7 @@ fn compare(scene: Scene) {
             "{}",
             scene.name
         );
-        // Drivers may fuse the two ways through a loop differently.
+        // Drivers may fuse operations differently on the two paths through a loop.
         assert!(distance(&device, &unskipped) <= 1e-6, "{}", scene.name);
         let tolerance = match field.filters().len() {
             1 => setup.method.info().tolerance,

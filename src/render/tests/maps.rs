@@ -1,4 +1,4 @@
-//! Light maps: what their texels hold, thousands of single columns against the oracle's; their memory; what lies outside.
+//! Light maps: texels of thousands of single columns against the oracle's, memory, and look-ups outside of the map.
 
 extern crate occlab_render as occlab;
 
@@ -33,7 +33,7 @@ fn lumps(folder: &std::path::Path) -> Scene {
     scene
 }
 
-/// A method's variant, and a slightly wrong one, of every method with a map.
+/// A variant of every method with a map, and a slightly wrong one.
 fn texel_trials() -> impl Iterator<Item = (&'static str, Trial)> {
     REGISTRY.iter().flat_map(|method| {
         let info = method.info();
@@ -49,7 +49,7 @@ fn map(id: &str, params: &str) -> MethodSetup {
     )
 }
 
-/// The oracle's texels, in the device's order.
+/// The oracle's texels, in the device's order of values.
 fn expected(oracle: &Oracle, setup: &MethodSetup) -> Vec<f64> {
     let options = Options {
         rounding: Rounding::device("f32", false),
@@ -166,8 +166,8 @@ fn memory_follows_from_values_and_format() {
     });
 }
 
-/// A cloud of three pixels between the rays that look for what the view sees: every look-up falls outside the map, is
-/// marched and counted, and is what a march of six quadratic steps gives.
+/// A cloud of three pixels, missed by the rays that find the visible part of the layer: every look-up falls outside the
+/// map, falls back to a march of six quadratic steps, and is counted.
 #[test]
 fn what_no_map_covers_is_marched_and_counted() {
     needs_adapter!();

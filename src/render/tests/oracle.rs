@@ -101,7 +101,7 @@ fn box_visibility_is_exact() {
         }
         close("none", visibility(&oracle, &setup("none", ""), p), 1.0, 0.0);
     }
-    // Negative control: half a metre shows.
+    // Negative control: a shift by half a metre shows.
     let p = low + 0.5 * (high - low);
     let v = |p| visibility(&oracle, &setup("truth", ""), p);
     assert!((v(p) / v(p + 0.5 * sun) - 1.0).abs() > 1e-3);
@@ -206,7 +206,7 @@ fn rough(folder: &std::path::Path) -> Scene {
     scene
 }
 
-/// T(a → b) = T(b → a): light and its way back, in steps that divide the way.
+/// T(a → b) = T(b → a) along a light ray and its reverse, in steps that divide the distance.
 #[test]
 fn transmittance_is_reciprocal() {
     let folder = tempfile::tempdir().unwrap();
@@ -229,7 +229,7 @@ fn transmittance_is_reciprocal() {
         let again = visibility(&reverse, &setup("truth", &step), top);
         assert!(exact < 0.9, "{exact}");
         close("back", again, exact, 1e-9);
-        // Other steps differ: the two ways do march.
+        // Negative control: with other steps the value differs, so that the comparison depends on the samples.
         assert!((there / exact - 1.0).abs() > 1e-12);
     }
 }
@@ -331,7 +331,8 @@ fn maps_are_exact_for_homogeneous_columns() {
     }
 }
 
-/// One dense step: the Fourier series of a spike at x₀ is known, τ(x) = w[x + Σ (sin 2πk(x − x₀) + sin 2πkx₀)/(πk)].
+/// One dense step: the Fourier series of a spike at x₀ has a closed form, τ(x) = w[x + Σ (sin 2πk(x − x₀) + sin
+/// 2πkx₀)/(πk)].
 #[test]
 fn fourier_series_of_a_spike() {
     let (length, steps, hit) = (1000.0, 50, 12);

@@ -1,11 +1,11 @@
 //! Device against oracle: every method of the registry and its variants, over three kinds of density.
 //!
-//! What a tolerance (`MethodInfo::tolerance`, relative RMSE of sunlight) is made of: 64 view steps of f32 round 2⁻²⁴ each
+//! Terms of the tolerance (`MethodInfo::tolerance`, relative RMSE of sunlight): 64 view steps of f32 round 2⁻²⁴ each
 //! (4e-6), `exp` of τ adds 3 + 2τ ulp, a light march of n steps √n·2⁻²⁴ of τ; a map adds the rounding of d/L_max, whose
-//! effect is c or τ times larger, `nearest` look-ups beside the texel's edge (share of samples: 2⁻²⁴·|p|·R/extent), and for
-//! `bsm` steps that count as occupied on one side only. Positions round 2⁻²⁴·|p|, times σ of τ: 2e-6 here, 1e-4 at 10 m⁻¹.
-//! Rounding of stored values is emulated. WGSL leaves f16 conversion (nearest or cut off) and the filtering of noise to the
-//! device: the oracle is asked for both, and the nearer answer counts.
+//! effect is c or τ times larger, `nearest` look-ups beside the texel's edge (share of samples: 2⁻²⁴·|p|·R/extent), and
+//! for `bsm` steps that count as occupied on one side only. Positions round 2⁻²⁴·|p|, times σ of τ: 2e-6 here, 1e-4 at
+//! 10 m⁻¹. Rounding of stored values is emulated. WGSL leaves f16 conversion (nearest or truncated) and the filtering
+//! of noise to the device: the device is compared with the oracle for each, and the smaller difference counts.
 
 extern crate occlab_render as occlab;
 
@@ -30,7 +30,8 @@ fn tolerance(setup: &MethodSetup) -> f64 {
     }
 }
 
-/// Every variant within its tolerance, its wrong neighbour at least twice as far away. `floor`: no tolerance is smaller.
+/// Every variant must be within its tolerance, its wrong neighbour at least twice as far away. `floor`: smallest
+/// tolerance.
 fn check(scene: Scene, trials: Select, filters: &'static [Filter], floor: f64) {
     scene.validate().unwrap();
     on_gpu(move |renderer| {

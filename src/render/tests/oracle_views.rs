@@ -1,4 +1,4 @@
-//! Device against oracle, whole views: sky, ambient, decks, gaps of a shell, columns that never begin.
+//! Device against oracle, whole views: sky, ambient, decks, gaps of a shell, columns without a front.
 
 extern crate occlab_render as occlab;
 
@@ -12,7 +12,7 @@ use occlab::frame::Frame;
 use occlab::oracle::{Filter, Options, Oracle};
 use occlab::scene::{Ambient, Container, Density, Integration, Scene, Sky};
 
-/// Everything a view march can do, and what is behind the medium.
+/// A scene with every feature of the view march, and a background.
 fn rich(integration: Integration, step_m: Option<f64>) -> Scene {
     let mut scene = cumulus();
     scene.name = format!("{integration:?} {step_m:?}");
@@ -40,7 +40,7 @@ fn rich(integration: Integration, step_m: Option<f64>) -> Scene {
     scene
 }
 
-/// Sun, whole radiance and opacity, to 1e-2: noise is filtered as in `procedural_clouds`. An albedo 5 % off is told apart.
+/// Sun, whole radiance and opacity, to 1e-2: noise is filtered as in `procedural_clouds`. An albedo 5 % off must fail.
 #[test]
 fn views_with_sky_ambient_and_two_decks() {
     needs_adapter!();
@@ -97,7 +97,7 @@ fn views_with_sky_ambient_and_two_decks() {
     }
 }
 
-/// The sky alone, whose coefficients a device holds in f32.
+/// The sky without medium; a device holds its coefficients in f32.
 #[test]
 fn sky_behind_nothing() {
     needs_adapter!();
@@ -128,7 +128,7 @@ fn sky_behind_nothing() {
     });
 }
 
-/// Columns that never begin: in a medium too thin for any threshold, and beside a box, where a column has no length.
+/// Columns without a front: in a medium too thin for any threshold, and beside a box, where a column has no length.
 #[test]
 fn columns_that_never_begin_agree() {
     needs_adapter!();
@@ -153,7 +153,7 @@ fn columns_that_never_begin_agree() {
     });
 }
 
-/// View rays that leave a shell through its inner sphere and come back, under a low sun whose rays do so too.
+/// View rays that leave a shell through its inner sphere and re-enter, under a low sun whose rays do so too.
 #[test]
 fn rays_across_the_gap_of_a_shell() {
     needs_adapter!();

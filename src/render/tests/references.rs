@@ -1,5 +1,5 @@
-//! Witnesses: pictures by two programs that share no code with this one, a float64 quadrature and Mitsuba 3, against the
-//! device and against the oracle.
+//! Independent references: pictures by two programs that share no code with this one, a float64 quadrature and Mitsuba
+//! 3, against the device and against the oracle.
 //!
 //! Five density formulas on a 64³ grid, scenes in configs/witnesses. Block means of 8×8 pixels are in tests/references;
 //! with `OCCLAB_REFERENCES=DIR` (the pixels, `<case>.quad.npy`) every pixel is compared too, at many more steps.
@@ -21,12 +21,12 @@ use std::time::Instant;
 const CELLS: usize = 64;
 const SIZE: [u32; 2] = [256, 144];
 const BLOCK: usize = 8;
-/// 96 view steps and light steps of 1/128 of the diagonal leave discretisation errors below 1e-3; the references
-/// themselves are good to 7e-5. Wrong alignment of the grid by half a cell would show as 2e-2.
+/// Discretisation errors are below 1e-3 at 96 view steps and light steps of 1/128 of the diagonal; the references
+/// themselves are good to 7e-5. A grid misaligned by half a cell would give 2e-2.
 const TOLERANCE: f64 = 5e-3;
 const VIEW_STEPS: u32 = 96;
 const LIGHT_STEPS: f64 = 128.0;
-/// With ample steps, over every lit pixel.
+/// Tolerance of the oracle at many steps, over every lit pixel.
 const ORACLE_PIXELS: f64 = 1e-3;
 const DEVICE_PIXELS: f64 = 5e-3;
 /// Share of the brightest pixel from which a pixel counts as lit.
@@ -63,7 +63,7 @@ fn path(of: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(of)
 }
 
-/// World units are edges of the cube: a metre here.
+/// World unit is the edge of the cube: a metre here.
 fn scene(case: &str, folder: &Path) -> Scene {
     let mut scene = load_scene(&path(&format!("../../configs/witnesses/{case}.json"))).unwrap();
     scene.density = cube_density(write_cube(folder, CELLS, |x, y, z| {
@@ -84,7 +84,7 @@ fn block_means(frame: &Frame) -> Vec<f64> {
     sums
 }
 
-/// Block means of a witness; a missing or mis-sized file fails.
+/// Block means of a reference; a missing or mis-sized file fails.
 fn expected(case: &str, witness: &str) -> Vec<f64> {
     let path = path(&format!("tests/references/{case}.json"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
@@ -136,7 +136,7 @@ fn chi_square(measured: &[f64], case: &str) -> (f64, f64) {
     )
 }
 
-/// Mitsuba's noise must explain the difference. Its own bias in `box` (0.2 %) is beyond its noise: left out.
+/// The difference must be explained by Mitsuba's noise. Its own bias in `box` (0.2 %) exceeds its noise: left out.
 fn check_mitsuba(what: &str, blocks: &[f64], case: &str) {
     let (chi2, largest_z) = chi_square(blocks, case);
     println!("{case}: {what} against Mitsuba, chi²/N {chi2:.3}, largest |z| {largest_z:.2}");
@@ -193,7 +193,7 @@ fn check(case: &str) {
     if let Some(folder) = std::env::var_os("OCCLAB_REFERENCES") {
         check_pixels(case, scene.clone(), Path::new(&folder));
     }
-    // Negative control: light scattered the wrong way must fail.
+    // Negative control: light scattered in the wrong direction must fail.
     scene.medium.phase = vec![Lobe {
         g: -0.6,
         weight: 1.0,
@@ -207,7 +207,7 @@ fn check(case: &str) {
     );
 }
 
-/// Nothing where the reference is black.
+/// Blocks must be 0 where the reference is black.
 fn check_black(blocks: &[f64], quad: &[f64], case: &str) {
     let pairs = blocks.iter().zip(quad);
     let leaked = pairs.filter(|(_, e)| **e == 0.0).map(|(b, _)| *b);

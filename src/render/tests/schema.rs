@@ -1,4 +1,4 @@
-//! The schema accepts every file that ships, and refuses what the readers refuse.
+//! The schema accepts every file that ships, and rejects what the readers reject.
 
 use jsonschema::Validator;
 use occlab_render::config::schema;

@@ -1,4 +1,4 @@
-//! Every combination that the renderer can ask for composes and validates; no adapter is needed.
+//! Every shader composition that the renderer can request composes and validates; no adapter is needed.
 
 extern crate occlab_render as occlab;
 

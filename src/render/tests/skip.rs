@@ -13,8 +13,8 @@ use common::{
 use occlab::frame::Frame;
 use occlab::scene::{Density, Scene};
 
-/// (picture, density samples) with skipping on and off, for the three ways to sample light; the second view has the
-/// kernels of the first.
+/// Compares picture and density samples with skipping on and off, for the three kinds of light sampling; the second
+/// view uses the kernels of the first.
 fn check_skipping(scene: Scene) {
     scene.validate().unwrap();
     on_gpu(move |renderer| {
@@ -52,7 +52,7 @@ fn check_skipping(scene: Scene) {
                     relative_rmse(reds(&on.0, &off.0))
                 );
             } else {
-                // Drivers may fuse the two ways through a loop differently.
+                // Drivers may fuse operations differently on the two paths through a loop.
                 let error = relative_rmse(reds(&on.0, &off.0));
                 assert!(error <= 1e-6, "{}: {id}: {error:.1e}", scene.name);
             }
@@ -62,7 +62,7 @@ fn check_skipping(scene: Scene) {
                 "{} {id}: view, light, map samples {on:?} skipping, {off:?} not; {empty:.2} empty",
                 scene.name
             );
-            // Only the view march and the truth skip: elsewhere looking costs more than it saves.
+            // Only the view march and the truth skip: elsewhere the grid look-up costs more than it saves.
             assert!(on[0] < off[0] && on[2] == off[2], "{}: {id}", scene.name);
             assert!(
                 if id == "truth" {
@@ -81,7 +81,8 @@ fn check_skipping(scene: Scene) {
 fn skipping_is_exact_in_procedural_clouds() {
     needs_adapter!();
     let mut scene = cumulus();
-    // Erosion shrinks clouds away from their bounds: without it, and with steps below a cell (32 m), a step too far shows.
+    // Erosion shrinks clouds away from their bounds: without it, and with steps below a cell (32 m), a step skipped too
+    // far shows.
     let Density::Procedural(field) = &mut scene.density else {
         unreachable!()
     };
@@ -179,7 +180,7 @@ fn the_field_repeats_after_a_weather_tile() {
     );
 }
 
-/// Mean change of opacity from each column of pixels to the next.
+/// Mean change of opacity between neighbouring columns of pixels.
 fn column_changes(frame: &Frame) -> Vec<f64> {
     let width = frame.width as usize;
     let change = |i: usize| {
@@ -192,7 +193,7 @@ fn column_changes(frame: &Frame) -> Vec<f64> {
     (0..width - 1).map(change).collect()
 }
 
-/// How the change across the middle compares with the largest elsewhere.
+/// Change across the middle over the largest change elsewhere.
 fn seam(frame: &Frame) -> f64 {
     let changes = column_changes(frame);
     let middle = frame.width as usize / 2 - 1;
@@ -205,7 +206,7 @@ fn seam(frame: &Frame) -> f64 {
             .fold(0.0, f64::max)
 }
 
-/// At x = 0 weather, shape and detail begin anew. Across it, opacity must not change more than elsewhere.
+/// The tiles of weather, shape and detail meet at x = 0. Opacity must not change more across it than elsewhere.
 #[test]
 fn tiles_join_without_a_seam() {
     needs_adapter!();

@@ -1,5 +1,5 @@
-//! Two small linear pictures against stored ones. `OCCLAB_BLESS=1 cargo test --test snapshots` stores new ones (and
-//! fails: a run that blesses is never green); look at the difference before committing them.
+//! Two small linear pictures against stored ones. `OCCLAB_BLESS=1 cargo test --test snapshots` stores new ones and
+//! fails, so that a storing run never passes; inspect the difference before committing them.
 
 extern crate occlab_render as occlab;
 
@@ -147,7 +147,7 @@ fn cumulus_with_a_secondary_march() {
 fn volume_with_a_beer_shadow_map() {
     needs_adapter!();
     let folder = tempfile::tempdir().unwrap();
-    // Three soft balls, so that a cell's rounding matters little.
+    // Three balls that fade out toward their surface, so that the rounding of a cell matters little.
     let balls = [
         ([7.0, 6.0, 8.0], 5.0),
         ([12.0, 10.0, 6.0], 4.0),

@@ -1,5 +1,5 @@
-//! Timestamps mean what they say: on a CPU adapter a run's passes fill most of its wall time, for the method prepared
-//! last and for those prepared before it (a driver that defers timestamps reports almost nothing for the latter).
+//! Timestamps are valid: on a CPU adapter a run's passes fill most of its wall time, for the method prepared last and
+//! for those prepared before it (a driver that defers timestamps reports almost nothing for the latter).
 
 extern crate occlab_render as occlab;
 
@@ -43,8 +43,8 @@ fn passes_account_for_the_wall_time_of_every_prepared_method() {
     });
 }
 
-/// Time against the number of frames in flight is a line through the origin: waiting once for many frames measures neither
-/// less than each of them takes, nor what a wait takes. Printed, not asserted, but for what no noise can change.
+/// Time grows in proportion to the number of frames in flight: one wait for many frames neither hides part of a frame
+/// nor adds the cost of a wait to each. Printed; asserted only where noise cannot matter.
 #[test]
 fn frames_in_flight_are_all_timed_and_fill_their_wall_time() {
     needs_adapter!();

@@ -1,4 +1,4 @@
-//! Reprojection on a device. Two pictures take turns: a frame reads one and writes the other, so nothing is copied.
+//! Reprojection on a device. Two pictures are used in turn: a frame reads one and writes the other, without copies.
 
 use super::Reprojection;
 use crate::error::Result;
@@ -8,17 +8,17 @@ use crate::scene::{Camera, ImageSize, Pattern};
 use crate::shader_defs::Defs;
 use glam::{DMat3, DVec3};
 
-/// Pictures that take turns.
+/// Pictures used in turn.
 const PICTURES: usize = 2;
 
-/// A sequence whose frames take what they do not march from the picture before.
+/// A sequence whose frames reproject the pixels they do not march from the previous picture.
 pub(super) struct DeviceReprojection {
     image: ImageSize,
     frames: Frames,
 }
 
 impl DeviceReprojection {
-    /// A sequence that remembers nothing yet.
+    /// A new sequence, without history.
     pub fn new(gpu: &Gpu, image: ImageSize, pattern: Pattern) -> Result<Self> {
         let frames = Frames::new(gpu, image, pattern, PICTURES, true)?;
         Ok(Self { image, frames })
@@ -51,8 +51,8 @@ impl DeviceSequence for DeviceReprojection {
     }
 }
 
-/// Directions A·(x, y, 1) of the rays through the points (x, y) of a picture, in pixels: their part along the optical
-/// axis is 1.
+/// Matrix A of the directions A·(x, y, 1) of the rays through the points (x, y) of a picture, in pixels; their
+/// component along the optical axis is 1.
 fn rays(camera: &Camera, image: ImageSize) -> DMat3 {
     let (width, height) = (f64::from(image.width), f64::from(image.height));
     let (right, up, forward) = camera.basis();

@@ -1,5 +1,5 @@
-//! Reprojection: what a frame does not march is taken from the picture before, at the place where the camera before saw the
-//! same point; where that picture shows something else, the marched pixels around are interpolated.
+//! Reprojection: a pixel that is not marched takes the value of the previous picture at the place where the previous
+//! camera saw the same point; where that history is rejected, the marched pixels around are interpolated.
 //!
 //! Works for any pattern on a rectangular grid (shear 0).
 
@@ -19,7 +19,7 @@ pub(super) struct Reprojection(pub &'static ReconstructionInfo);
 impl Reprojection {
     /// File of the pass after the march, below `shaders/`.
     pub const SHADER: &'static str = "reconstruct/temporal.wgsl";
-    /// Bytes a pixel that a sequence remembers: two pictures of radiance, sunlight and inverse depth.
+    /// History of a sequence, bytes a pixel: two pictures of radiance, sunlight and inverse depth.
     pub const PIXEL_BYTES: u64 = 2 * (16 + 16 + 4);
 }
 

@@ -1,5 +1,5 @@
-//! Reprojection in f64, from points in space: the twin of `shaders/reconstruct/temporal.wgsl`, whose rules it follows and
-//! whose matrices it does without. Pictures are kept in f32, as frames are.
+//! Reprojection in f64, from points in space: the twin of `shaders/reconstruct/temporal.wgsl`, with the same rules but
+//! without its matrices. Pictures are kept in f32, as frames are.
 
 use super::super::OracleSequence;
 use crate::cost::Counts;
@@ -10,12 +10,12 @@ use crate::progress::Progress;
 use crate::scene::{Camera, ImageSize, Pattern, Subset};
 use glam::{DVec2, DVec3};
 
-/// Positions are rounded to this share of a pixel.
+/// Positions are rounded to 1/256 pixel.
 const SUBPIXELS: f64 = 256.0;
-/// Disagreement of two depths that counts as another thing, pixels.
+/// Reprojection error above which a pixel counts as disoccluded, pixels.
 const DISOCCLUDED: f64 = 1.0;
 
-/// A sequence whose frames take what they do not march from the picture before.
+/// A sequence whose frames reproject the pixels they do not march from the previous picture.
 pub(super) struct OracleReprojection {
     image: ImageSize,
     pattern: Pattern,
@@ -26,7 +26,7 @@ pub(super) struct OracleReprojection {
 }
 
 impl OracleReprojection {
-    /// A sequence that remembers nothing yet.
+    /// A new sequence, without history.
     pub fn new(image: ImageSize, pattern: Pattern) -> Self {
         Self {
             image,
@@ -72,7 +72,7 @@ impl OracleSequence for OracleReprojection {
 struct Sparse<'a> {
     oracle: &'a Oracle,
     subset: Subset,
-    /// By row and column of marched pixels.
+    /// Marched pixels, by their row and column among themselves.
     marched: Vec<Vec<Pixel>>,
 }
 
@@ -101,14 +101,14 @@ impl Sparse<'_> {
         })
     }
 
-    /// The nearest marched pixel to the given one of them.
+    /// The marched pixel at a row and column among themselves, clamped to the grid.
     fn marched(&self, column: i64, row: i64) -> &Pixel {
         let row = &self.marched[clamped(row, self.marched.len())];
         &row[clamped(column, row.len())]
     }
 
-    /// What the picture before shows in a direction, at the depth 1/`inverse_depth` along the optical axis; `None` when that
-    /// is outside, behind, seen from the other side, or something else.
+    /// The previous picture's value in a direction, at depth 1/`inverse_depth` along the optical axis; `None` when that
+    /// lies outside the picture or behind the camera, or was seen from the other side, or was disoccluded.
     fn past(
         &self,
         pixels: &[Pixel],
@@ -120,7 +120,7 @@ impl Sparse<'_> {
         let (_, _, forward) = own.basis();
         let ray = direction / direction.dot(forward);
         let moved = DVec3::from(own.position_m) - DVec3::from(camera.position_m);
-        // Seen from the camera before; the infinitely far has a direction only.
+        // Position relative to the previous camera; an infinitely far point has a direction only.
         let seen_from = |inverse_depth: f64| {
             if inverse_depth > 0.0 {
                 moved + ray / inverse_depth
@@ -139,7 +139,7 @@ impl Sparse<'_> {
         }
         let get = |x: i64, y: i64| pixels[clamped(y, height) * width + clamped(x, width)];
         let held = f64::from(get(at.x as i64, at.y as i64).inverse_depth);
-        // Depth on this ray of what the history holds there; a camera that looked the other way saw another side of it.
+        // Depth on this ray of the history's point; a camera with the opposite view direction saw another side of it.
         let (_, _, forward) = camera.basis();
         let along = ray.dot(forward);
         let depth = (1.0 / held - moved.dot(forward)) / along;
@@ -154,7 +154,7 @@ impl Sparse<'_> {
     }
 }
 
-/// Where a camera at the origin sees a point, pixels from the upper left corner; `None` behind it.
+/// Projection of a point relative to the camera, pixels from the upper left corner; `None` behind it.
 fn project(camera: &Camera, image: ImageSize, point: DVec3) -> Option<DVec2> {
     let (width, height) = (f64::from(image.width), f64::from(image.height));
     let (right, up, forward) = camera.basis();
@@ -169,7 +169,7 @@ fn clamped(index: i64, count: usize) -> usize {
     index.clamp(0, count as i64 - 1) as usize
 }
 
-/// Bilinear interpolation between the pixels that `get` gives; without inverse_depth, which is no colour.
+/// Bilinear interpolation of the pixels that `get` gives; inverse depths are not interpolated.
 fn blend(at: DVec2, get: impl Fn(i64, i64) -> Pixel) -> Pixel {
     let low = at.floor();
     let part = at - low;

@@ -1,5 +1,5 @@
-//! What a method can make of its map: a 3-D texture, packed words, a buffer, passes before and after the columns. The
-//! methods are the tests' own: none of them is registered, and their shaders come with them.
+//! Map layouts and passes that methods may use: a 3-D texture, packed words, a buffer, passes before and after the
+//! column pass. The methods are the tests' own, unregistered, and bring their shaders.
 
 extern crate occlab_render as occlab;
 
@@ -60,7 +60,7 @@ fn texels(renderer: &Renderer, prepared: &PreparedPasses) -> MapTexels {
     prepared.map_texels(&renderer.gpu).unwrap().unwrap()
 }
 
-/// Largest error of V in the homogeneous box, as the method is and with its control.
+/// Largest error of V in the homogeneous layer: of the method, and of its control.
 fn errors(renderer: &Renderer, method: &'static Method, params: &str) -> [f64; 2] {
     let scene = layer();
     let view = renderer.view(&scene, IMAGE).unwrap();
@@ -95,8 +95,8 @@ fn check(method: &'static Method, params: &'static str, tolerance: f64) {
     });
 }
 
-/// V is read where all columns are alike: what is between texels does not matter, the depth and the storage do. f16 may
-/// be cut off, 2⁻¹⁰ of τ, and a sampler's weights are k/256: 8e-4 of V. An f32 picture is good to 1e-4.
+/// V where all columns are equal, so that only depth and storage matter, not interpolation between texels. Tolerances:
+/// f16 may be truncated, 2⁻¹⁰ of τ, and a sampler's weights are k/256: 8e-4 of V; an f32 picture is good to 1e-4.
 #[test]
 fn every_layout_says_what_a_homogeneous_layer_lets_through() {
     needs_adapter!();
@@ -110,7 +110,7 @@ fn every_layout_says_what_a_homogeneous_layer_lets_through() {
     }
 }
 
-/// The same where passes of the method's own must have run: their control leaves them out.
+/// Methods that need their own passes; the control leaves the passes out.
 #[test]
 fn passes_before_and_after_the_columns_run() {
     needs_adapter!();
@@ -128,7 +128,7 @@ fn memory(payload_bytes: u64, map_bytes: u64, temporary_bytes: u64) -> Memory {
     }
 }
 
-/// On every device; a lone f16 value takes 2 or 8 bytes, a lone fraction 1 or 4.
+/// Memory on every device; a single f16 value takes 2 or 8 bytes, a single fraction 1 or 4.
 #[test]
 fn bytes_are_those_of_every_texture_and_buffer() {
     needs_adapter!();
@@ -264,7 +264,7 @@ fn samples_of_a_pass_before_the_columns_are_counted_with_theirs() {
     });
 }
 
-/// What a plan, its shader or a device lack is said, with the place.
+/// Errors name what a plan, its shader or a device lacks, with the place.
 #[test]
 fn what_is_missing_is_named() {
     needs_adapter!();

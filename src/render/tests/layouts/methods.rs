@@ -1,4 +1,4 @@
-//! Methods of the tests: optical depth, kept in as many ways as there are layouts.
+//! The tests' own methods: each stores optical depth, in one of the layouts.
 
 use occlab::occlusion::plan::{
     MapLayout, MapNumbers, MapPlan, MapResource, MapResourceKind, MethodPass, StorableFormat,
@@ -15,7 +15,7 @@ use occlab::{Error, Result};
 pub const EDGE: u64 = 64;
 pub const STEPS_A_COLUMN: u64 = 96;
 pub const SLICES: u32 = 24;
-/// Largest optical depth that fractions reach.
+/// Largest optical depth that a fraction represents.
 pub const MOST_TAU: f64 = 8.0;
 
 pub struct Method {
@@ -42,7 +42,7 @@ impl LightOcclusion for Method {
     }
 }
 
-/// Makes a method wrong, in its shader or its plan.
+/// Negative control: makes a method wrong, in its shader or its plan.
 const CONTROL: ParamSpec = ParamSpec {
     name: "control",
     unit: "",
@@ -200,7 +200,7 @@ pub static MIPPED: Method = Method {
     twin: None,
 };
 
-/// Names a level that its map does not have.
+/// Refers to a mip level that its map does not have.
 pub static LEVELLESS: Method = Method {
     info: &info("test/mipped.wgsl", include_str!("mipped.wgsl"), &[FLOATS]),
     plan: |_| {
