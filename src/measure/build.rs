@@ -1,7 +1,7 @@
 //! Build script: the commit that a build is made from, and hashes of the sources that decide its numbers.
 //!
-//! `provenance.rs` beside it hands on what is set here and tests the functions below. What counts is everything below
-//! `src` of the repository but for two short lists, so that a new module counts before anybody thinks of it.
+//! `provenance.rs` beside it makes the results available and tests the functions below. Everything below `src` of the
+//! repository is hashed except two short lists, so that a new module is hashed by default.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,10 +10,10 @@ use std::{env, fs, io};
 /// The repository, from this package.
 pub const ROOT: &str = "../..";
 
-/// What is compiled in, relative to the repository: a change of anything else makes no other program.
+/// What is compiled in, relative to the repository: a change of anything else leaves the program the same.
 pub const COMPILED_IN: [&str; 5] = ["src", "shaders", "configs", "Cargo.toml", "Cargo.lock"];
 
-/// Below `src`: decides no number of a cell, and why. No module that counts may use one of these.
+/// Paths below `src` that decide no number of a cell, and why. No hashed module may use one of these.
 pub const NOT_IN_CELLS: [(&str, &str); 9] = [
     ("ARCHITECTURE.md", "is read by people and one test"),
     ("BIBLIOGRAPHY.md", "is read by people and one test"),
@@ -35,7 +35,7 @@ pub const NOT_IN_CELLS: [(&str, &str); 9] = [
     ("ui", "shows what `live` renders"),
 ];
 
-/// Below `src`: decides no pixel of a truth either.
+/// Paths below `src` that, in addition, decide no pixel of a truth.
 pub const NOT_IN_TRUTHS: [(&str, &str); 3] = [
     (
         "measure/backend",
@@ -85,7 +85,8 @@ fn main() -> io::Result<()> {
     Ok(())
 }
 
-/// Hash of what determines the pixels of a truth, but for the shaders: they can be reloaded and are hashed when they run.
+/// Hash of the sources that determine the pixels of a truth, except shaders: these can be reloaded and are hashed at
+/// run time.
 pub fn truth_sources(root: &Path) -> io::Result<String> {
     let excluded = NOT_IN_CELLS.iter().chain(&NOT_IN_TRUTHS);
     let excluded: Vec<_> = excluded
@@ -129,7 +130,7 @@ fn hash(root: &Path, folders: &[&str], excluded: &[PathBuf]) -> io::Result<Strin
     Ok(hasher.finalize().to_hex().to_string())
 }
 
-/// Adds every file below `folder`; hidden ones are those of an editor.
+/// Adds every file below `folder` but hidden ones, which editors make.
 fn collect(folder: &Path, excluded: &[PathBuf], files: &mut Vec<PathBuf>) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
@@ -184,13 +185,13 @@ pub fn computing_crates(lock: &str) -> String {
         .collect()
 }
 
-/// How git is asked.
+/// How git is run.
 pub struct Git<'a> {
     /// The program to run.
     pub program: &'a str,
     /// Folder of the sources.
     pub root: &'a Path,
-    /// An index of our own: the user's is neither written nor believed, because staging changes nothing that is built.
+    /// An index file of our own: the user's is neither written nor read, because staging changes nothing that is built.
     pub index: &'a Path,
 }
 
@@ -198,7 +199,7 @@ impl Git<'_> {
     /// What a command prints; `None` where it fails or git is not installed.
     fn ask(&self, arguments: &[&str]) -> Option<String> {
         let mut command = Command::new(self.program);
-        // In a hook git names the repository of the hook.
+        // Git sets these variables in a hook, to the hook's repository.
         command
             .env_remove("GIT_DIR")
             .env_remove("GIT_WORK_TREE")
@@ -212,7 +213,7 @@ impl Git<'_> {
         output.status.success().then(|| text.trim_end().to_owned())
     }
 
-    /// The files that change when another commit is checked out; a working tree of its own has them elsewhere.
+    /// Files that change when another commit is checked out; a linked working tree has them elsewhere.
     fn files_of_head(&self) -> Vec<PathBuf> {
         let branch = self.ask(&["symbolic-ref", "--quiet", "HEAD"]);
         let names = ["HEAD", "logs/HEAD", "packed-refs", "reftable"].map(str::to_owned);

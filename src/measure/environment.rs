@@ -26,7 +26,7 @@ impl Environment {
     /// [`Self::backend`] where no adapter was used: the f64 oracle on the CPU.
     pub const ORACLE: &str = "oracle";
 
-    /// This build on a device.
+    /// The environment of this build on a device.
     pub fn of_device(gpu: &Gpu) -> Self {
         Self {
             adapter: gpu.info.name.clone(),

@@ -1,4 +1,4 @@
-//! Numbers: backends, truths, batches of cells, sweeps of stability, and what a build is made from.
+//! Measurement: backends, truths, batches of cells, stability sweeps, and the provenance of a build.
 //!
 //! Part of `occlab`, whose documentation starts with the architecture.
 

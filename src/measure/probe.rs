@@ -4,15 +4,15 @@ use crate::error::Result;
 use crate::occlusion::{MethodSetup, REGISTRY};
 use crate::oracle::{LightColumn, Options, Oracle};
 
-/// Depths at which curves are asked, beside 0.
+/// Depths of a curve, not counting 0.
 pub const STEPS: usize = 512;
-/// The truth's cumulative quadrature takes steps of the scene's truth step over this, or smaller.
+/// The truth's cumulative quadrature takes the scene's truth step divided by this, or smaller steps.
 const FINER: f64 = 10.0;
 /// Most quadrature steps between two depths.
 const MOST_PARTS: f64 = 1000.0;
-/// Changes of T below this are rounding.
+/// Changes of T below this are attributed to rounding.
 const ROUNDING: f64 = 1e-6;
-/// Differences of T below this are none.
+/// Values of T that differ by less than this count as equal.
 const LEVEL: f64 = 1e-9;
 
 /// Curves over one light column.
@@ -28,7 +28,7 @@ pub struct Probe {
     pub curves: Vec<MethodCurve>,
 }
 
-/// T(d) of a method, as the oracle's pictures have it: by its map where it has one, stored values rounded.
+/// T(d) of a method as the oracle renders it: through the map where the method has one, stored values rounded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodCurve {
     /// Id of the method.
@@ -68,7 +68,7 @@ impl Probe {
         })
     }
 
-    /// The curves as a table: depth, extinction, truth, one column a method, and what is marked at each depth.
+    /// The curves as a table: depth, extinction, truth, one column a method, and the marks of each depth.
     pub fn csv(&self) -> String {
         let ids: Vec<_> = self.curves.iter().map(|c| c.method).collect();
         let mut text = format!("depth_m,extinction_per_m,truth,{},marks\n", ids.join(","));
@@ -86,7 +86,7 @@ impl Probe {
 }
 
 impl MethodCurve {
-    /// What is marked at depth `i`: `fom:outside`, `bsm:clamped`.
+    /// The mark at depth `i`: `fom:outside`, `bsm:clamped`.
     fn mark(&self, i: usize) -> Option<String> {
         if self.outside[i] {
             Some(format!("{}:outside", self.method))
@@ -133,8 +133,8 @@ fn curve(setup: &MethodSetup, transmittance: Vec<f64>, truth: &[f64]) -> Result<
     })
 }
 
-/// The first of the values that equal the last, where there are several and something came before. Where the map is asked
-/// moves by rounding along a column, and so do shares of texels.
+/// Index from which the values equal the last, where that is more than one value and not all. Rounding moves the
+/// look-up position along a column, and so the weights of texels: hence a tolerance.
 fn levels_off(values: &[f64]) -> Option<usize> {
     let last = *values.last()?;
     let first = values.iter().rposition(|v| (v - last).abs() > LEVEL)? + 1;

@@ -1,5 +1,5 @@
-//! What this program is built from, fixed when it is built (by `build.rs` beside it): the commit for people, and hashes of the
-//! sources for machines. Two builds whose hashes agree compute the same numbers, whatever their commits are called.
+//! Provenance of this program, fixed when it is built (by `build.rs` beside it): the commit, and hashes of the sources.
+//! Two builds whose hashes agree compute the same numbers, whatever their commits.
 
 /// Commit of the sources, 12 hexadecimal digits, with `-dirty` where compiled-in files differed from it; `unknown` where
 /// the sources came without their history.
@@ -115,7 +115,7 @@ mod tests {
         ] {
             assert_eq!(changed(name, "changed"), expected, "{name}");
         }
-        // A file that only moves is another program too.
+        // Moving a file also changes the hash.
         let folder = tempfile::tempdir().unwrap();
         small(folder.path());
         let before = hashes(folder.path());
@@ -151,8 +151,8 @@ mod tests {
         entries.flat_map(below).collect()
     }
 
-    /// Lines of code that use one of `modules`, in what counts when they do not. That no part below `output` uses it is the
-    /// compiler's business.
+    /// Lines of hashed code that use one of `modules`, which are not hashed. The compiler ensures that no part below
+    /// `output` uses it.
     fn uses(modules: &[&str]) -> Vec<String> {
         let source = root().join("src");
         let counts = |path: &PathBuf| {
@@ -160,7 +160,7 @@ mod tests {
                 .iter()
                 .any(|name| path.starts_with(source.join(name)))
         };
-        // Put together, so that this line is no find.
+        // Concatenated, so that this line is not found itself.
         let root = ["crate", "::"].concat();
         let names = |line: &str| {
             let code = line.split("//").next().unwrap_or_default();

@@ -1,9 +1,9 @@
-//! Who renders: a device, or the f64 oracle where there is none. Batch and command line know one way through both:
+//! Rendering backends: a device, or the f64 oracle on the CPU where there is no adapter. Both take the same steps:
 //! [`Backend::view`] → [`Backend::prepare`] → [`Prepared::run`] → picture, times, counts, memory.
 //!
-//! What differs on the oracle, and is said in its [`Environment`]: only wall times exist; a picture repeats bit for bit,
-//! so it is rendered once; stored map values are rounded as the method's `storage` says, everything else is f64; bytes of
-//! maps are those that a device would allocate.
+//! Differences on the oracle: it has wall times only; a picture repeats bit for bit, so it is rendered once; map values
+//! are rounded as the method's `storage` states, everything else is f64; map bytes are those that a device would
+//! allocate.
 
 mod prepared;
 mod sequence;
@@ -28,7 +28,7 @@ use crate::truth::{self, Truth, TruthCache};
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// What a user may ask for.
+/// Requested backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Choice {
     /// A device; the oracle where this machine has no adapter at all.
@@ -69,7 +69,8 @@ enum ViewKind {
 }
 
 impl Backend {
-    /// The backend of `choice`; `adapter` is part of a device's name, and asking for one rules the oracle out.
+    /// Opens the backend of `choice`. `adapter` is part of a device's name; where one is given, [`Choice::Auto`] does
+    /// not fall back to the oracle.
     pub fn open(choice: Choice, adapter: Option<&str>) -> Result<Self> {
         let fall_back = choice == Choice::Auto && adapter.is_none() && list_adapters().is_empty();
         if choice == Choice::Cpu || fall_back {
@@ -84,7 +85,7 @@ impl Backend {
         matches!(self, Self::Oracle(_))
     }
 
-    /// For records.
+    /// Adapter, driver, build and host, for records.
     pub fn environment(&self) -> Environment {
         match self {
             Self::Device(renderer) => Environment::of_device(&renderer.gpu),
@@ -99,8 +100,8 @@ impl Backend {
         }
     }
 
-    /// Hash of the sources that decide a cell's numbers: those of the program, and shaders read from a folder where these
-    /// are others.
+    /// Hash of the sources that decide a cell's numbers, 64 hexadecimal digits: those of the program and, where shaders
+    /// read from a folder differ from the compiled-in ones, those shaders.
     pub fn sources(&self) -> String {
         let program = provenance::cell_sources();
         match self {
@@ -120,8 +121,8 @@ impl Backend {
         }
     }
 
-    /// Rounds to discard and rounds that count, of those an experiment asks for. The oracle has no pipelines to warm and
-    /// its pictures repeat bit for bit: one round says all but the spread of its wall time.
+    /// Numbers of discarded and of timed rounds, given those that an experiment asks for. The oracle has no pipelines
+    /// to warm up and its pictures repeat bit for bit: one round gives everything but the spread of its wall time.
     pub fn rounds(&self, discard: u32, runs: u32) -> (u32, u32) {
         match self {
             Self::Device(_) => (discard, runs),
@@ -129,7 +130,7 @@ impl Backend {
         }
     }
 
-    /// The device, and what tells how fast it runs; `None` on the oracle.
+    /// The device, and the watch that measures its clock; `None` on the oracle.
     pub fn watched(&self) -> Result<Option<(&Gpu, &ClockWatch)>> {
         match self {
             Self::Device(renderer) => Ok(Some((&renderer.gpu, renderer.clock_watch()?))),
@@ -168,7 +169,7 @@ impl Backend {
         Prepared::new(self, view, setup, sequence)
     }
 
-    /// The same for pictures of which every pixel is marched.
+    /// [`Self::prepare`] for frames in which every pixel is marched.
     pub fn prepare_full<'v>(&'v self, view: &'v View, setup: &MethodSetup) -> Result<Prepared<'v>> {
         let sequence = self.sequence(reconstruct::full(), view.image)?;
         Prepared::new(self, view, setup, &sequence)
@@ -188,7 +189,7 @@ impl Backend {
         Ok((prepared.picture()?, times))
     }
 
-    /// The truth of a view, from `cache` when a whole entry of this backend is there.
+    /// The truth of a view: read from `cache` where it holds a complete entry of this backend, else rendered.
     pub fn truth(
         &self,
         view: &View,

@@ -1,4 +1,4 @@
-//! A method made ready in a view, on either backend.
+//! A method prepared in a view, on either backend: renders frames, reads back pictures and maps, counts samples.
 
 use super::sequence::{Sequence, SequenceKind};
 use super::{Backend, View, ViewKind};
@@ -15,9 +15,9 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::time::Instant;
 
-/// A method in a view, which renders the next frames of a sequence.
+/// A method prepared in a view; renders the next frames of a sequence.
 pub struct Prepared<'v> {
-    /// Memory of the method, without what the sequence remembers.
+    /// Memory of the method, without the history of the sequence.
     pub memory: Memory,
     setup: MethodSetup,
     reconstruction: &'static dyn Reconstruction,
@@ -38,7 +38,7 @@ enum Executor<'v> {
     },
 }
 
-/// A view was handed to a backend that did not make it.
+/// Error: a view was passed to a backend that did not make it.
 pub(super) fn stranger() -> Error {
     Error::defect(
         "backend",
@@ -65,7 +65,7 @@ impl<'v> Prepared<'v> {
                 (memory, kind)
             }
             (Backend::Oracle(_), ViewKind::Oracle(oracle), SequenceKind::Oracle(sequence)) => {
-                // What cannot be prepared is refused here, not in the middle of a round.
+                // A setting that cannot be prepared is refused here, not in the middle of a round.
                 oracle.prepare(setup, Options::stored(setup))?;
                 let kind = Executor::Oracle {
                     oracle,
@@ -107,8 +107,8 @@ impl<'v> Prepared<'v> {
         }
     }
 
-    /// Renders the next `frames` frames without waiting between them; the times of each. `meanwhile` is called while they are
-    /// under way, on the oracle before them. Run once before.
+    /// Renders the next `frames` frames without waiting between them; returns the times of each. `meanwhile` is called
+    /// while they are in flight, on the oracle before the first. Needs one [`Self::run`] before.
     pub fn repeat(&self, frames: u32, meanwhile: impl FnOnce()) -> Result<Vec<PassTimes>> {
         match &self.kind {
             Executor::Device {
@@ -121,8 +121,8 @@ impl<'v> Prepared<'v> {
         }
     }
 
-    /// The picture of the last frame. A view of a device has one for all methods whose pictures are marched whole: ask before
-    /// another runs there.
+    /// The picture of the last frame. In a view on a device all methods that march every pixel share one picture: read
+    /// it back before another of them runs there.
     pub fn picture(&self) -> Result<Frame> {
         match &self.kind {
             Executor::Device {
@@ -146,8 +146,8 @@ impl<'v> Prepared<'v> {
         }
     }
 
-    /// Counts of one frame, and the seconds that counting took: on a device passes of their own, those of a sequence's first
-    /// frame; nothing on the oracle, which counts as it renders.
+    /// Counts of one frame, and the seconds that counting took. A device counts in extra passes, over the first frame
+    /// of a sequence; the oracle counts while it renders, in 0 s.
     pub fn counts(&self, progress: Progress) -> Result<(Counts, f64)> {
         match &self.kind {
             Executor::Device { renderer, view, .. } => {

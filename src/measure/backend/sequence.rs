@@ -8,8 +8,7 @@ use crate::scene::{ImageSize, ReconstructionInfo};
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Frames that follow each other, and what they remember. Views of one sequence have one size and may differ in their
-/// cameras.
+/// Consecutive frames and their history. Views of one sequence have one size and may differ in their cameras.
 #[derive(Clone)]
 pub struct Sequence {
     pub(super) reconstruction: &'static dyn Reconstruction,
@@ -23,7 +22,7 @@ pub(super) enum SequenceKind {
 }
 
 impl Backend {
-    /// A sequence that remembers nothing yet.
+    /// A sequence whose history is still empty.
     pub fn sequence(&self, info: &ReconstructionInfo, image: ImageSize) -> Result<Sequence> {
         let reconstruction = reconstruct::find(info.id)?;
         reconstruction.info().check_size(image)?;

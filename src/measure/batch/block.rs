@@ -1,9 +1,9 @@
 //! One view of the matrix: its truth, then all its cells in interleaved rounds.
 //!
-//! Rounds go over all cells before the next begins, so that a drift of the machine's speed meets every method alike and
-//! ratios can be taken inside a round. Nothing but passes runs between the first timed round and the last: pictures are
-//! read in the first discarded round, counted, compared and written after the last. How a cell fills the queue in its
-//! round: [`super::rounds`]; how steady the device was: [`super::clock`].
+//! Rounds go over all cells before the next begins, so that a drift of the machine's speed affects all methods equally
+//! and ratios can be taken inside a round. Nothing but passes runs between the first timed round and the last: pictures
+//! are read back in the first discarded round, counted, compared and written after the last. Frames in flight of a
+//! cell: [`super::rounds`]; clock of the device during the block: [`super::clock`].
 
 use super::cell::{bare_cell, each_round, record_failure, setup, times};
 use super::clock::Watch;
@@ -35,13 +35,13 @@ struct TimedCell<'a> {
     setup: MethodSetup,
     prepared: Prepared<'a>,
     frame: Option<Frame>,
-    /// Time of a frame, ms, as far as is known.
+    /// Latest estimate of a frame's time, ms; infinite before the first frame.
     frame_ms: f64,
     rounds: Vec<Round>,
 }
 
 impl TimedCell<'_> {
-    /// The first run, whose picture is kept: one frame, waited for.
+    /// First round: one frame that is waited for; its picture is kept.
     fn first(&mut self) -> Result<Round> {
         let filled_s = reconstruct::fill(&self.prepared, self.spec.reconstruct)?;
         let times = self.prepared.run(&mut unwatched)?;
@@ -63,7 +63,7 @@ struct Bench<'a> {
     matrix: &'a MatrixView,
     view: &'a View,
     truth: Truth,
-    /// `rel_rmse` of the uncompressed column by the map parameters it shares with a cell.
+    /// `rel_rmse` of the uncompressed light column, by the map parameters that it shares with a cell.
     floors: HashMap<String, f64>,
     /// Made for the first cell that is decomposed.
     decomposer: Option<Decomposer>,
@@ -104,7 +104,7 @@ fn open_view(task: &Task, matrix: &MatrixView, observe: Observer) -> Result<(Vie
     Ok((view, scene_s))
 }
 
-/// A scene that cannot be rendered on this adapter: every cell says so, the other scenes go on.
+/// Records in every missing cell why its scene cannot be rendered on this adapter; the other scenes go on.
 fn refuse(
     task: &Task,
     matrix: &MatrixView,
@@ -149,7 +149,7 @@ impl<'a> Bench<'a> {
         Ok(bench)
     }
 
-    /// Pictures, then the record: what is recorded is whole, and a resumed run keeps it.
+    /// Pictures are written first: a truth that has a record is complete, and a resumed run keeps it.
     fn record_reference(&mut self, observe: Observer) -> Result<()> {
         let (task, matrix) = (self.task, self.matrix);
         let id = task.identity.view(matrix);
@@ -255,7 +255,7 @@ impl<'a> Bench<'a> {
             if round == discard {
                 stage(observe, self.matrix, "until the clock settles", 0.0)?;
                 watch.settle(&task.identity.view(self.matrix), block)?;
-                // The probe is arithmetic alone; the cells themselves bring the memory up to its clock.
+                // The probe is arithmetic alone; frames of the cells raise the memory clock.
                 for run in runs.iter_mut().filter(|_| watch.has_clock()) {
                     let made = rounds::fly(&run.prepared, aim_ms, &mut run.frame_ms, &mut || ())?;
                     self.passes_s += made.seconds;
@@ -362,7 +362,7 @@ impl<'a> Bench<'a> {
         decomposer.measure(setup, truth, frame).map(Some)
     }
 
-    /// The same cell with nothing compressed, or `None` for a method without a map.
+    /// `rel_rmse` of the same cell with an uncompressed map; `None` for a method without a map.
     fn floor(&mut self, setup: &MethodSetup) -> Result<Option<f64>> {
         if setup.method.plan(&setup.params)?.map_values().is_none() {
             return Ok(None);

@@ -28,7 +28,7 @@ pub(super) fn times(rounds: &[Round]) -> Times {
     }
 }
 
-/// A time of each round, in round order, `None` where a round has none; nothing where no round has one.
+/// One time per round, in round order, `None` for a round without it; empty where no round has it.
 pub(super) fn each_round(rounds: &[Round], value: fn(&Round) -> Option<f64>) -> Vec<Option<f64>> {
     let times: Vec<_> = rounds.iter().map(value).collect();
     match times.iter().all(Option::is_none) {
@@ -37,7 +37,7 @@ pub(super) fn each_round(rounds: &[Round], value: fn(&Round) -> Option<f64>) -> 
     }
 }
 
-/// A record without numbers.
+/// A record without numbers, with its keys.
 pub(super) fn bare_cell(task: &Task, view: &MatrixView, spec: &CellSpec) -> Cell {
     let environment = task.backend.environment();
     Cell {
@@ -47,7 +47,7 @@ pub(super) fn bare_cell(task: &Task, view: &MatrixView, spec: &CellSpec) -> Cell
     }
 }
 
-/// What a record will say of a cell before it is measured anywhere; its keys come with the measurement.
+/// The record of a cell before it is measured; the measurement sets its keys.
 pub fn planned_cell(view: &MatrixView, spec: &CellSpec) -> Cell {
     Cell {
         id: String::new(),

@@ -6,8 +6,8 @@ use crate::gpu::{ClockReading, ClockWatch, Clocks, Gpu, in_flight_ms};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How steady the adapter was while a block of cells was timed. The probe is a fixed piece of arithmetic
-/// (`shaders/clock_probe.wgsl`).
+/// Clock record of a block: times of a probe, a fixed piece of arithmetic (`shaders/clock_probe.wgsl`), around the
+/// timed rounds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClockRecord {
@@ -15,17 +15,18 @@ pub struct ClockRecord {
     pub reference: String,
     /// Index of the block's first cell, as in the cells of the block.
     pub block: usize,
-    /// The probe's time did not change any more when the rounds began; else the wait was given up after some seconds.
+    /// Whether the probe's time had stopped changing before the first timed round; false where the wait was given up
+    /// after some seconds.
     pub settled: bool,
-    /// How long the device was kept busy before, s.
+    /// How long the device was kept busy before the first timed round, s.
     pub warm_up_s: f64,
-    /// The probe's time then, ms.
+    /// Probe time at the end of this warm-up, ms.
     pub settled_ms: f64,
     /// Work of the probe, rows of 131072 threads: chosen for the device, so that its time is some milliseconds.
     pub probe_rows: u32,
-    /// The probe's time before each timed round and after the last, ms.
+    /// Probe time before each timed round and after the last, ms.
     pub rounds_ms: Vec<f64>,
-    /// What an NVIDIA device said of its clocks, power and throttling while frames were in flight; absent elsewhere.
+    /// Clocks, power and throttling that an NVIDIA device reported while frames were in flight; absent elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clocks: Option<Clocks>,
 }
@@ -62,12 +63,13 @@ impl<'a> Watch<'a> {
         })
     }
 
-    /// Has the device a clock that falls when it rests? The processor, which serves a software adapter, is never at rest here.
+    /// Whether the device has a clock that drops when idle. A software adapter runs on the CPU, which is never idle
+    /// here.
     pub fn has_clock(&self) -> bool {
         self.device.is_some_and(|(gpu, _)| !gpu.is_software())
     }
 
-    /// Work that a cell hands over in a round, ms; nothing on the oracle, which renders one picture at a time.
+    /// Work that a cell submits in a round, ms; 0 on the oracle, which renders one picture at a time.
     pub fn in_flight_ms(&self) -> f64 {
         self.device.map_or(0.0, |(gpu, _)| in_flight_ms(gpu))
     }
@@ -102,7 +104,7 @@ impl<'a> Watch<'a> {
         Ok(())
     }
 
-    /// Asks the device for its clocks, while it is busy.
+    /// Reads the clocks of the device while it is busy.
     pub fn read(&mut self) {
         let reading = self.device.and_then(|(_, watch)| watch.reading());
         self.readings.extend(reading);

@@ -1,13 +1,13 @@
-//! The three errors of a cell: model, sampling, precision.
+//! Decomposition of a cell's error into model, sampling and precision.
 //!
 //! With f64 pictures by the oracle, Δ = picture − truth = model + sampling + precision + truth difference, where
 //!
-//! - model = method with ample steps and texels − truth: what its encoding cannot say;
+//! - model = method with ample steps and texels − truth: the error of its encoding;
 //! - sampling = method at the cell's own steps and texels − the same with ample ones;
-//! - precision = the cell's picture − the oracle's at the same settings: stored values (told apart by a picture of the
-//!   oracle that rounds nothing else), f32 arithmetic, and of a procedural field what the device's noise and its
-//!   filtering do beyond what the oracle emulates;
-//! - truth difference = the oracle's truth − the backend's truth, which no method can help.
+//! - precision = the cell's picture − the oracle's at the same settings: rounding of stored values (also measured
+//!   alone, by a picture of the oracle that rounds nothing else), f32 arithmetic, and in a procedural field the
+//!   device's noise and texture filtering as far as the oracle does not emulate them;
+//! - truth difference = the oracle's truth − the backend's truth, the same for all methods.
 
 use super::record::Decomposition;
 use crate::error::{Error, Result};
@@ -24,11 +24,11 @@ use std::collections::hash_map::Entry;
 
 /// Fewest steps that count as ample; four times the cell's own where these are more.
 const AMPLE_STEPS: u32 = 400;
-/// Most steps of the registry's methods.
+/// Most steps that methods of the registry accept.
 const MOST_STEPS: u32 = 1000;
-/// Edge beyond which a map is not refined, texels.
+/// Longest edge to which a map is refined, texels.
 const MOST_TEXELS: u32 = 1024;
-/// Values a texel up to which more texels are affordable.
+/// Most values per texel of a map that is refined: with more, a finer map costs too much.
 const MOST_VALUES: u32 = 64;
 
 /// The numbers, and the signed luminance images of model, sampling and precision.
@@ -45,7 +45,7 @@ pub(super) struct Decomposer {
 
 impl Decomposer {
     /// Renders the f64 truth. Devices filter noise textures with weights of few bits: of the filters that the oracle
-    /// knows, the one whose truth is nearer to the backend's is taken.
+    /// emulates, the one whose truth is nearest to the backend's is taken.
     pub fn new(
         scene: &Scene,
         image: ImageSize,
@@ -114,7 +114,7 @@ impl Decomposer {
     }
 }
 
-/// The method with so many steps and texels that more would hardly matter, within bounds.
+/// The method with ample sampling: more steps and texels than the cell's own, within bounds.
 fn ample(setup: &MethodSetup) -> Result<MethodSetup> {
     let mut ample = setup.clone();
     raise(&mut ample, "steps", |own| {
@@ -153,7 +153,7 @@ mod tests {
         .unwrap()
     }
 
-    /// A picture as a device may make it: a little off.
+    /// A picture that differs a little, as a device's does.
     fn off(frame: &Frame, by: f32) -> Frame {
         let mut frame = frame.clone();
         for (i, pixel) in frame.sun.iter_mut().enumerate() {

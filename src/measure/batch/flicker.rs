@@ -1,9 +1,10 @@
 //! Flicker of the recorded cells of one view: every frame of a movement against that frame's own truth.
 //!
-//! Every pixel is marched, whatever a cell's `reconstruct` says: what that adds is ghosting, see [`super::reconstruct`].
+//! Every pixel is marched, whatever a cell's `reconstruct` says; the error that reconstruction adds:
+//! [`super::reconstruct`].
 //!
-//! Runs after the timed rounds. A cell's number joins its record when the movement is over, so that a killed run has
-//! lost no cell; the truths of the frames it has seen are in the cache.
+//! Runs after the timed rounds. A cell's number is added to its record when the movement is over, so that a killed run
+//! loses no cell; the truths of its finished frames are in the cache.
 
 use super::cell::setup;
 use super::record::{Cell, Measured, TrackRecord};
@@ -18,14 +19,14 @@ use crate::progress::unwatched;
 use crate::scene::Track;
 use crate::truth::Truth;
 
-/// A cell on the move: its number so far, or why it has none.
+/// A cell during a movement: its number so far, or why it has none.
 struct FlickerCell {
     cell: Cell,
     setup: MethodSetup,
     flicker: Result<Flicker, String>,
 }
 
-/// What the experiment moves in this view, for the record.
+/// Movements that the experiment asks for in this view, for the record.
 pub(super) fn tracks(task: &Task, matrix: &MatrixView) -> Vec<TrackRecord> {
     let record = |track: &Track| TrackRecord {
         track: *track,
@@ -35,7 +36,7 @@ pub(super) fn tracks(task: &Task, matrix: &MatrixView) -> Vec<TrackRecord> {
     task.experiment.flicker.iter().map(record).collect()
 }
 
-/// Measures what the records of a view still lack; returns the seconds spent in passes.
+/// Measures the flicker that the records of a view still lack; returns the seconds spent in passes.
 pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> Result<f64> {
     let mut passes_s = 0.0;
     for track in &task.experiment.flicker {
@@ -54,7 +55,7 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
     Ok(passes_s)
 }
 
-/// The cell, when it has numbers but neither this one nor a note why not.
+/// The cell, where it has numbers but neither this one nor a note why it is missing.
 fn open_case(
     task: &Task,
     matrix: &MatrixView,

@@ -1,9 +1,9 @@
-//! What names the records of a batch: a hash of everything that decides their numbers, so that a resumed run keeps a record
-//! only where measuring again would mean the same.
+//! Keys of a batch's records: a hash of everything that decides their numbers, so that a resumed run keeps a record
+//! only where measuring again would give the same.
 //!
-//! Everything is: the scene, and the content (not the name) of the file that it reads; the image; the method and its
-//! parameters; how pictures come about; and the sources of the program and its shaders. The adapter is not: a folder belongs
-//! to one.
+//! Hashed are the scene, and the content (not the name) of the file that it reads; the image; the method and its
+//! parameters; the reconstruction; and the sources of the program and its shaders. The adapter is not hashed: a folder
+//! belongs to one.
 
 use super::record::{InputFile, SceneRecord};
 use crate::backend::Backend;
@@ -17,7 +17,7 @@ use std::fs::Metadata;
 use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
 
-/// Names the records of one batch.
+/// Computes the keys of one batch's records.
 pub(super) struct Identity {
     sources: String,
     inputs: BTreeMap<PathBuf, Input>,
@@ -56,13 +56,13 @@ impl Identity {
         self.inputs.iter().map(entry).collect()
     }
 
-    /// Names a view, and so its truth.
+    /// Key of a view, and so of its truth.
     pub fn view(&self, view: &MatrixView) -> String {
         let scene = self.content(&view.scene);
         digest(&json!([self.sources, scene, view.image]))
     }
 
-    /// Names a cell.
+    /// Key of a cell.
     pub fn cell(&self, view: &MatrixView, spec: &CellSpec) -> String {
         let mut all = vec![
             json!(self.sources),
@@ -77,7 +77,8 @@ impl Identity {
         digest(&Value::Array(all))
     }
 
-    /// The scene with the hash of its file in the place of the file's name; of an archive, also the array in it.
+    /// The scene as JSON, with the hash of its file in place of the file's name; for an archive also the name of the
+    /// array.
     fn content(&self, scene: &Scene) -> Value {
         let mut scene = scene.clone();
         if let Some(path) = scene.input_file_mut() {
@@ -87,8 +88,8 @@ impl Identity {
         json!(scene)
     }
 
-    /// An error where the file of a scene is no longer the one that the batch began with: what was measured since would be
-    /// recorded under the name of another content.
+    /// An error where the file of a scene has changed since the batch began: results would be recorded under the key of
+    /// other content.
     pub fn check(&self, scene: &Scene) -> Result<()> {
         let Some((path, known)) = scene
             .input_file()
@@ -141,7 +142,7 @@ impl Identity {
 
 impl Input {
     fn read(path: &Path) -> Result<Self> {
-        // Before its content: a change during the read shows later.
+        // Read before the content, so that a change during the read is detected later.
         let metadata = std::fs::metadata(file_of(path).file).map_err(absent(path))?;
         let (hash, bytes) = hash_file(path)?;
         Ok(Self {
@@ -189,7 +190,7 @@ fn digest(value: &Value) -> String {
     blake3::hash(value.to_string().as_bytes()).to_hex()[..16].to_owned()
 }
 
-/// `path` as seen from `folder`; as it is where there is no way from one to the other.
+/// `path` relative to `folder`; unchanged where there is no relative path.
 fn relative(folder: &Path, path: &Path) -> PathBuf {
     let part = file_of(path);
     let (Ok(from), Ok(to)) = (folder.canonicalize(), part.file.canonicalize()) else {

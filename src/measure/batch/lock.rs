@@ -4,14 +4,15 @@
 //! created exclusively and appears with its whole content, by a rename or hard link that fails where the name exists. Local
 //! and network file systems promise that; advisory locks (`flock`) they do not, so none is used.
 //!
-//! A run that was killed leaves its file behind. Whether its process still runs is asked of the operating system, and only
-//! where the answer is certain: on the same boot of the same machine, in the same process namespace, by process id and start
-//! time (ids are used again). Such a file, and one from before a reboot of this machine, is taken over without a word.
+//! A run that was killed leaves its file behind. Whether its process still runs is asked of the operating system, and
+//! only where the answer is certain: on the same boot of the same machine, in the same process namespace, by process id
+//! and start time (ids are used again). The lock of an ended process, and one from before a reboot of this machine, is
+//! taken over without a message.
 //!
-//! The process of another machine cannot be asked. A heartbeat would only guess: a suspended laptop, a paused container, the
-//! attribute cache of a network file system or two clocks that differ all look like death, and a wrong guess costs both runs
-//! their times. So such a lock is refused with a message that says who holds it, since when, and which file to remove if that
-//! run is over.
+//! The process of another machine cannot be asked. A heartbeat would be unreliable: a suspended laptop, a paused
+//! container, the attribute cache of a network file system and clocks that differ all look like an ended process, and a
+//! wrong guess spoils the times of both runs. So such a lock is refused with a message that says who holds it, since
+//! when, and which file to remove if that run is over.
 
 use crate::error::{Error, Result};
 use crate::frame::atomic::{create_atomic, write_atomic};
@@ -22,9 +23,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 const LOCK: &str = "batch.lock";
-/// Held for the moment in which a dead process's lock is replaced, so that only one run does it.
+/// File held while the lock of an ended process is replaced, so that only one run does it.
 const TAKEOVER: &str = "batch.lock.takeover";
-/// Looks at a lock that changes hands, and the pause between them: two seconds in all.
+/// Attempts to read a lock that changes hands; with the pause between them two seconds in all.
 const LOOKS: u32 = 40;
 const PAUSE: Duration = Duration::from_millis(50);
 /// The process namespace of a Linux machine itself, outside any container.
@@ -37,7 +38,7 @@ pub struct Lock {
     token: String,
 }
 
-/// Who writes to a folder.
+/// The process that writes to a folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct LockHolder {
     host: String,
@@ -50,7 +51,7 @@ struct LockHolder {
     system: Option<System>,
 }
 
-/// In what the process id has a meaning.
+/// Where the process id is unique.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct System {
     boot: String,
@@ -59,7 +60,7 @@ struct System {
     machine: Option<String>,
 }
 
-/// What is known of a lock's process.
+/// State of a lock's process.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Standing {
     Running,
@@ -68,7 +69,7 @@ enum Standing {
 }
 
 impl Lock {
-    /// Takes `folder`, which is made where there is none; an error that names the holder where another run has it.
+    /// Takes `folder` and creates it where it is absent; an error names the holder where another run has it.
     pub fn take(folder: &Path) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(Error::writing(folder))?;
         take(folder, LockHolder::this_process())
@@ -78,7 +79,7 @@ impl Lock {
 impl Drop for Lock {
     fn drop(&mut self) {
         if matches!(read(&self.path), Ok(Some(holder)) if holder.token == self.token) {
-            // A file that cannot be removed is taken over by the next run, once this process has ended.
+            // May fail: the next run takes the file over, once this process has ended.
             let _ = std::fs::remove_file(&self.path);
         }
     }
@@ -96,7 +97,7 @@ fn take(folder: &Path, me: LockHolder) -> Result<Lock> {
         }
         match read(&path)? {
             None => {} // released since
-            // A server that answered late made the file and was then asked again.
+            // A file server that answered late had created the file before the request was repeated.
             Some(holder) if holder.token == me.token => return Ok(held(me)),
             Some(holder) => match holder.standing(&me) {
                 Standing::Ended if take_over(folder, &path, &holder, &me)? => return Ok(held(me)),
@@ -224,7 +225,7 @@ impl System {
             Some(text.trim().to_owned()).filter(|line| !line.is_empty())
         };
         let namespace = std::fs::read_link("/proc/self/ns/pid").ok()?;
-        // The id itself is for this machine alone.
+        // The id itself must not leave this machine.
         let hashed = |id: String| {
             blake3::derive_key("occlab batch.lock machine", id.as_bytes())
                 .iter()

@@ -1,5 +1,5 @@
-//! Experiment → stream of events → records on disk. The only orchestrator: command line, tests and windows consume its
-//! events and decide nothing.
+//! Runs a batch: experiment → stream of events → records on disk. Command line, tests and windows only consume the
+//! events.
 
 mod block;
 mod cell;
@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use store::{FolderState, Store};
 
-/// What happens during a batch.
+/// An event of a batch.
 #[derive(Clone, Debug)]
 pub enum Event {
     /// The matrix is known; `done` cells were found in the folder and are not repeated.
@@ -41,7 +41,7 @@ pub enum Event {
         /// Cells recorded by an earlier run.
         done: usize,
     },
-    /// Something the user should know, one line.
+    /// A message for the user, one line.
     Note(String),
     /// A stage of a view progressed.
     Stage {
@@ -68,7 +68,7 @@ impl Event {
 /// Receives events; `Break` stops the batch, finished cells are kept.
 pub type Observer<'a> = &'a mut dyn FnMut(Event) -> ControlFlow<()>;
 
-/// What every view of a batch is measured with.
+/// Settings that all views of a batch share.
 struct Task<'a> {
     experiment: &'a Experiment,
     backend: &'a Backend,
@@ -78,14 +78,14 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// Records a cell, unless the file that it shows has changed since the batch began.
+    /// Records a cell, unless the file of its scene has changed since the batch began.
     fn put_cell(&self, view: &MatrixView, cell: &Cell) -> Result<()> {
         self.identity.check(&view.scene)?;
         self.store.put_cell(cell)
     }
 }
 
-/// Runs what is missing of an experiment in `folder`; returns the report, which is not yet written.
+/// Measures the missing cells of an experiment in `folder`; returns the report, which is not yet written.
 pub fn run(
     experiment: &Experiment,
     backend: &Backend,
@@ -97,8 +97,8 @@ pub fn run(
     measure(&plan, backend, folder, cache, observe)
 }
 
-/// Runs what is missing of a plan in `folder`, which no other run may use meanwhile; returns the report, which is not yet
-/// written.
+/// Measures the missing cells of a plan in `folder`, which no other run may use meanwhile; returns the report, which is
+/// not yet written.
 pub fn measure(
     plan: &BatchPlan,
     backend: &Backend,
@@ -170,8 +170,8 @@ fn run_view(task: &Task, view: &MatrixView, observe: Observer) -> Result<f64> {
     Ok(timed_s + flicker_s + reconstruct::run_view(task, view, observe)?)
 }
 
-/// The report of a folder from its records and its plan. Records are named by content, so that one may have been measured
-/// under another name of its file: what a cell is called is taken from the plan.
+/// The report of a folder from its records and its plan. Records are keyed by content, so that one may have been
+/// measured under another name of its file: names come from the plan.
 fn assemble(plan: &BatchPlan, identity: &Identity, store: &Store) -> Result<Report> {
     let mut cells = Vec::new();
     let mut references = Vec::new();

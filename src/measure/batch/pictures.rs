@@ -23,7 +23,7 @@ pub(super) fn write_picture(
         .collect())
 }
 
-/// The same, and `images/NAME-diff.png` with the signed error.
+/// [`write_picture`], and `images/NAME-diff.png` with the signed error.
 pub(super) fn write_compared(
     store: &Store,
     name: &str,

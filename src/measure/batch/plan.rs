@@ -1,4 +1,4 @@
-//! What a batch measures: the matrix of an experiment file, or that of a report, which is measured again from what it holds.
+//! What a batch measures: the matrix of an experiment file, or the cells of an existing report, measured again.
 
 use super::cell::planned_cell;
 use super::identity::hash_file;
@@ -27,7 +27,7 @@ pub struct BatchPlan {
     again: Option<Again>,
 }
 
-/// Who made the report that is measured again.
+/// Sources and commit of the report that is measured again.
 #[derive(Clone, Debug)]
 struct Again {
     sources: String,
@@ -41,7 +41,7 @@ pub fn report_file(path: &Path) -> Option<PathBuf> {
         schema: String,
     }
     if path.is_dir() {
-        // A folder that only has the name of an experiment is none.
+        // A folder without a report that shares its name with an experiment does not count.
         return Some(path.join(REPORT)).filter(|report| report.is_file());
     }
     if !path.is_file() {
@@ -120,7 +120,7 @@ impl BatchPlan {
         &self.experiment.name
     }
 
-    /// Counts and what else says how cells are measured.
+    /// The experiment, with round counts and options of the measurement.
     pub(super) fn experiment(&self) -> &Experiment {
         &self.experiment
     }
@@ -130,7 +130,7 @@ impl BatchPlan {
         &self.recorded
     }
 
-    /// What to tell where a report is measured again by other sources than it was.
+    /// A note where a report is measured again with sources other than its own.
     pub(super) fn differs_from(&self, sources: &str, commit: &str) -> Option<String> {
         let again = self.again.as_ref()?;
         let differs = again.sources != sources;
@@ -154,7 +154,7 @@ fn with_files(path: &Path, report: &Report) -> Result<Vec<SceneRecord>> {
         let Some(written) = scene.scene.get_mut("density") else {
             continue;
         };
-        // One that cannot be read is reported where the experiment is.
+        // A density that cannot be parsed is reported with the experiment.
         let Ok(mut density) = Density::deserialize(&*written) else {
             continue;
         };
@@ -213,12 +213,12 @@ fn find(folder: &Path, name: &str, inputs: &[InputFile]) -> Result<String, Strin
     Err(other.unwrap_or_else(|| format!("`{name}` is not there")))
 }
 
-/// What sets a cell apart from every other of its scene.
+/// What distinguishes a cell from every other of its scene.
 fn key(cell: &Cell) -> Value {
     json!([cell.image, cell.method, cell.params, cell.reconstruct])
 }
 
-/// The cells without repeats: files of one content under two names give the same cell twice.
+/// The cells without duplicates: files of one content under two names give the same cell twice.
 fn distinct(cells: &[Cell]) -> Vec<&Cell> {
     let mut seen = std::collections::HashSet::new();
     let mut all: Vec<&Cell> = cells.iter().collect();
@@ -226,7 +226,7 @@ fn distinct(cells: &[Cell]) -> Vec<&Cell> {
     all
 }
 
-/// The experiment whose matrix is these cells: scenes in their places, every parameter written out.
+/// The experiment whose matrix is these cells: its scenes are included, every parameter is written out.
 fn experiment(written: &Value, scenes: &[SceneRecord], cells: &[&Cell]) -> Value {
     let list = |of: &dyn Fn(&Cell) -> Value| {
         let mut seen = Vec::new();
@@ -245,7 +245,7 @@ fn experiment(written: &Value, scenes: &[SceneRecord], cells: &[&Cell]) -> Value
     let scenes: Vec<Value> = scenes.iter().map(|s| json!({"scene": s.scene})).collect();
     let mut value = written.clone();
     if let Some(members) = value.as_object_mut() {
-        // They are in the scenes.
+        // Suns are in the scenes.
         members.remove("sun_elevation_deg");
         members.remove("view_steps");
         members.insert("scenes".to_owned(), scenes.into());
@@ -257,7 +257,7 @@ fn experiment(written: &Value, scenes: &[SceneRecord], cells: &[&Cell]) -> Value
     value
 }
 
-/// The cells that the report's scenes and settings make here are not those that it holds.
+/// Error: the cells made here from the report's scenes and settings are not those that it holds.
 fn unlike(path: &Path, report: &Report) -> Error {
     let remedy = "Run its experiment file instead.";
     let problem = match report.sources == provenance::cell_sources() {

@@ -1,8 +1,10 @@
-//! What a reconstruction costs a picture: at rest, and of frames that know of those before each along a movement of the
-//! camera, every frame against the full render of that frame by the same method, so that nothing but reconstruction differs.
+//! Error and memory of a reconstruction: at rest, and, where it has a history, along movements of the camera. Every
+//! frame is compared with the full render of that frame by the same method, so that nothing but the reconstruction
+//! differs.
 //!
-//! A movement begins at rest: frames of the scene as it is make the first picture, so that the curve shows ghosting come up,
-//! and not a history fill. Runs after the timed rounds, as flicker does, and joins the record when it is over.
+//! A movement begins at rest, with a filled history, so that the curve shows how ghosting builds up and not how the
+//! history fills. Runs after the timed rounds, as flicker does; the numbers are added to the record when the movement
+//! is over.
 
 use super::block::BLOCK_BYTES;
 use super::cell::setup;
@@ -17,7 +19,7 @@ use crate::occlusion::MethodSetup;
 use crate::progress::unwatched;
 use crate::scene::{CameraTrack, ReconstructionInfo, Track};
 
-/// A cell on the move.
+/// A cell during a movement.
 struct MovingCell {
     cell: Cell,
     /// Frames so far, or why the cell has no numbers.
@@ -32,7 +34,8 @@ struct Moving {
     rel_rmse: Vec<f64>,
 }
 
-/// Runs a prepared cell until the picture of a resting camera changes no more, but for the last frame; returns the seconds.
+/// Renders all but the last of the frames after which the picture of a resting camera no longer changes; returns the
+/// seconds.
 pub(super) fn fill(prepared: &Prepared, reconstruct: &ReconstructionInfo) -> Result<f64> {
     let mut passes_s = 0.0;
     for _ in 1..reconstruct.rest.frames {
@@ -41,7 +44,8 @@ pub(super) fn fill(prepared: &Prepared, reconstruct: &ReconstructionInfo) -> Res
     Ok(passes_s)
 }
 
-/// What a cell takes and loses at rest, and the seconds of the full render; `None` for a full one. `frame` is its picture.
+/// Error and memory of a cell's reconstruction at rest, and the seconds of the full render; `None` where every pixel is
+/// marched. `frame` is the cell's picture.
 pub(super) fn at_rest(
     task: &Task,
     view: &View,
@@ -62,7 +66,7 @@ pub(super) fn at_rest(
     Ok(Some((record, passes_s)))
 }
 
-/// Measures what the records of a view still lack; returns the seconds spent in passes.
+/// Measures the ghosting that the records of a view still lack; returns the seconds spent in passes.
 pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> Result<f64> {
     let mut passes_s = 0.0;
     for track in &task.experiment.ghosting {
@@ -90,13 +94,14 @@ pub(super) fn run_view(task: &Task, matrix: &MatrixView, observe: Observer) -> R
     Ok(passes_s)
 }
 
-/// Histories of at most `bytes` each that fit the bytes of a block, at least one.
+/// Number of histories of at most `bytes` each that fit into [`BLOCK_BYTES`], at least one.
 fn histories_held(bytes: Option<u64>) -> usize {
     let each = bytes.unwrap_or_default().max(1);
     usize::try_from(BLOCK_BYTES / each).map_or(usize::MAX, |n| n.max(1))
 }
 
-/// The cell's record, when its frames know of those before and it has numbers, but neither these nor a note why not.
+/// The cell's record, where its reconstruction has a history and it has numbers, but neither the ghosting along this
+/// movement nor a note why it is missing.
 fn open_cell(
     task: &Task,
     matrix: &MatrixView,
@@ -126,7 +131,7 @@ fn moving(task: &Task, matrix: &MatrixView, spec: &CellSpec) -> Result<Moving> {
     })
 }
 
-/// What concerns one cell alone becomes its note.
+/// Turns an error that concerns one cell alone into its note; any other ends the batch.
 fn noted<T>(result: Result<T>) -> Result<Result<T, String>> {
     match result {
         Ok(value) => Ok(Ok(value)),
@@ -165,7 +170,7 @@ fn run_track(
     Ok(passes_s)
 }
 
-/// One frame of one case, at `rest` all that fill its history; returns the seconds of its passes.
+/// One frame of one case, or at `rest` all that fill its history; returns the seconds of its passes.
 fn run_case(task: &Task, view: &View, rest: bool, case: &mut MovingCell) -> Result<f64> {
     let Ok(moving) = &mut case.moving else {
         return Ok(0.0);

@@ -112,8 +112,8 @@ pub struct Reference {
     #[serde(default)]
     pub view_steps: Option<u32>,
     /// `rel_rmse` of the scene's view steps against steps of a quarter of the length, both shadowed by `srm` with 20
-    /// quadratic steps: what every picture of the scene loses alike, the truth included, so that no cell's error shows it.
-    /// `null` where so many steps exceed the limit or nothing of the cloud is lit.
+    /// quadratic steps: an error that the truth shares with every cell, so that no cell's error contains it. `null`
+    /// where so many steps exceed the limit or nothing of the cloud is lit.
     #[serde(default)]
     pub view_step_rel_rmse: Option<f64>,
     /// Movements that flicker was measured along.
@@ -157,8 +157,8 @@ pub struct Cell {
     pub method: String,
     /// Every parameter of the method that applies at this setting, defaults included.
     pub params: Map<String, Value>,
-    /// How its pictures come about; absent = `full`. The picture is that of a camera at rest, after as many frames as it takes
-    /// until it changes no more; times and samples are those of one frame.
+    /// Reconstruction of its pictures; absent = `full`, every pixel marched. The picture is that of a camera at rest,
+    /// after as many frames as it takes until it changes no more; times and samples are those of one frame.
     #[serde(
         default = "reconstruct::full",
         deserialize_with = "reconstruct::deserialize",
@@ -188,19 +188,20 @@ pub struct Measured {
     pub cloud_pixel_fraction: f64,
     /// Share of light look-ups that fell outside the map and were marched; 0 without a map.
     pub fallback_fraction: f64,
-    /// Bytes.
+    /// Memory, bytes.
     pub memory: Memory,
     /// Index of the first cell of the block that this one was timed in: cells of one view and block share their rounds.
     pub block: usize,
-    /// Milliseconds over the repeats.
+    /// Statistics of each pass over the rounds, ms.
     pub time_ms: Times,
-    /// Frames that were handed over without waiting in each round, at least; a round's time is the median over them.
+    /// Frames in flight, submitted without waiting between them: the fewest of any round. A round's time is their
+    /// median.
     #[serde(default = "one")]
     pub frames_in_flight: u32,
     /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. `null` for a round
     /// whose timestamps are invalid; empty without timestamps.
     pub rounds_total_ms: Vec<Option<f64>>,
-    /// Time of the map pass in each round, ms, likewise. Empty without a map.
+    /// Time of the map pass in each round, ms, in the same order. Empty without a map.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rounds_generate_ms: Vec<Option<f64>>,
     /// Density samples, from an untimed counting pipeline.
@@ -208,15 +209,15 @@ pub struct Measured {
     /// Light look-ups in a map, from the same pipeline; 0 without a map.
     #[serde(default)]
     pub look_ups: u64,
-    /// Against the truth.
+    /// Error numbers against the truth.
     pub error: ErrorNumbers,
     /// The error's three parts, where the experiment asks for them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub decomposition: Option<Decomposition>,
-    /// What the reconstruction takes and loses; absent for `full`.
+    /// Error and memory of the reconstruction; absent for `full`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reconstruction: Option<ReconstructionNumbers>,
-    /// Numbers that were asked for and could not be had, and why; such a number is `null` and is not tried again.
+    /// Notes on numbers that were asked for and could not be measured; such a number is `null` and is not tried again.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// Files relative to the report folder: `exr`, `png`, `diff_png`; with a decomposition `model_png`, `sampling_png`,
@@ -224,7 +225,7 @@ pub struct Measured {
     pub files: Map<String, Value>,
 }
 
-/// Records of before had one frame at a time.
+/// Reports of earlier versions had one frame in flight.
 fn one() -> u32 {
     1
 }
@@ -254,21 +255,22 @@ pub struct Decomposition {
     pub noise_filter: Option<String>,
 }
 
-/// What a reconstruction takes and loses. Its errors are relative RMSE of the sun-lit radiance against the full render
+/// Error and memory of a reconstruction. Its errors are relative RMSE of the sun-lit radiance against the full render
 /// of the same frame by the same method, over pixels where either shows cloud ([`crate::metrics::ghosting`]).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReconstructionNumbers {
     /// Error of a camera at rest, once the picture changes no more.
     pub full_rel_rmse: f64,
-    /// Error of a moving camera, along each movement that the experiment asks for; only for frames that remember those before.
+    /// Error of a moving camera, along each movement that the experiment asks for; only for reconstructions with a
+    /// history.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub ghosting: BTreeMap<CameraTrack, Ghosting>,
-    /// Bytes that it remembers from frame to frame.
+    /// Memory of the history, bytes.
     pub history_bytes: u64,
 }
 
-/// What a reconstruction loses along one movement of the camera.
+/// Error of a reconstruction along one movement of the camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ghosting {
@@ -282,7 +284,8 @@ pub struct Ghosting {
     pub rel_rmse: Vec<f64>,
 }
 
-/// Statistics of each pass over the rounds, each the median of its frames: single frames scatter more; `null` where the adapter has no timestamps ("n/a", never 0).
+/// Statistics of each pass over the rounds, ms; a round's value is the median of its frames, and single frames scatter
+/// more; `null` where the adapter has no timestamps ("n/a", never 0).
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Times {
@@ -290,21 +293,21 @@ pub struct Times {
     pub generate: Option<Stats>,
     /// The view march.
     pub march: Option<Stats>,
-    /// The pass that adds what was not marched; absent where every pixel is marched.
+    /// The reconstruction pass, which fills the pixels that were not marched; absent where every pixel is marched.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reconstruct: Option<Stats>,
     /// All passes of a frame together.
     pub total: Option<Stats>,
-    /// From handing over to completion, seen from the CPU, of all frames of a round, divided by their number.
+    /// From submission to completion of all frames of a round, seen from the CPU, divided by their number.
     pub wall: Option<Stats>,
 }
 
 /// Which time of a cell stands for its cost in a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
-    /// The device's passes.
+    /// Time of the passes on the device.
     Device,
-    /// From handing over to completion, seen from the CPU.
+    /// From submission to completion, seen from the CPU.
     Wall,
 }
 
@@ -327,8 +330,8 @@ impl Clock {
 }
 
 impl Report {
-    /// The device's clock where any cell has its time: both are never mixed. Without timestamps the wall clock, which
-    /// also counts recording and submission.
+    /// The device's clock where any cell has its time, else the wall clock, which also counts recording and submission;
+    /// the two are never mixed.
     pub fn clock(&self) -> Clock {
         let timed = |cell: &Cell| {
             let result = cell.result.as_ref();
@@ -354,7 +357,7 @@ impl Report {
         Self::parse(path, &text)
     }
 
-    /// The same from the file's text; `path` is for messages.
+    /// [`Self::read`] from the text of the file; `path` is for messages.
     pub(super) fn parse(path: &Path, text: &str) -> Result<Self> {
         let report: Self = serde_json::from_str(text).map_err(|e| {
             Error::input(

@@ -1,9 +1,9 @@
-//! Rounds of a block: every cell in turn, many frames in flight, one wait a cell and round.
+//! Rounds of a block: every cell in turn, many frames in flight, one wait per cell and round.
 //!
-//! A device that waits between frames lowers its clock, and a frame of a millisecond then measures the clock. So before the
-//! first timed round a probe runs until its time no longer changes, and in a round each cell hands over
-//! [`in_flight_ms`](crate::gpu::in_flight_ms) of frames before waiting for any. The round's time of a pass, and of the whole,
-//! is the median over these frames.
+//! A device that waits between frames lowers its clock, and the time of a frame of a millisecond then depends on the
+//! clock. So before the first timed round a probe runs until its time no longer changes, and in a round each cell
+//! submits [`in_flight_ms`](crate::gpu::in_flight_ms) of frames before waiting for any. The round's time of a pass, and
+//! of the whole, is the median over these frames.
 
 use crate::backend::Prepared;
 use crate::cost::PassTimes;
@@ -12,14 +12,14 @@ use crate::metrics::summarise;
 
 /// Most frames in flight: each holds a submission, and shorter frames than 0.1 ms are bound by submitting them.
 const MOST_FRAMES: u32 = 2000;
-/// Share of the aimed work that a flight may fall short of before it is flown again with more frames.
+/// Shortfall, as a share of the aimed work, beyond which a cell is run again with more frames.
 const SHORT_BY: f64 = 0.25;
-/// Flights until the number of frames fits.
+/// Most attempts until the number of frames fits.
 const MOST_FLIGHTS: usize = 4;
 
 /// What is timed: a prepared cell, or something of known duration in a test.
 pub(super) trait Timed {
-    /// Renders `frames` pictures without waiting between them; `meanwhile` is called meanwhile.
+    /// Renders `frames` pictures without waiting between them; `meanwhile` is called while they are in flight.
     fn repeat(&self, frames: u32, meanwhile: &mut dyn FnMut()) -> Result<Vec<PassTimes>>;
 }
 
@@ -36,15 +36,16 @@ pub(super) struct Round {
     pub times: PassTimes,
     /// Median of the frames' total times, ms, which need not be the sum of the passes' medians.
     pub total_ms: Option<f64>,
-    /// Frames of the flight.
+    /// Frames in flight.
     pub frames: u32,
     /// Frames among them with invalid timestamps.
     pub refused: u32,
-    /// Seconds of all frames, those of flights that were too short included.
+    /// Seconds of all frames, those of attempts with too few frames included.
     pub seconds: f64,
 }
 
-/// Flies frames of `aim_ms` in all. `frame_ms` is how long one takes, as far as is known; then as it was.
+/// Keeps frames of `aim_ms` in all in flight, and waits for them. `frame_ms` is the estimated time of one; afterwards
+/// the measured time.
 pub(super) fn fly(
     cell: &impl Timed,
     aim_ms: f64,
@@ -74,7 +75,7 @@ pub(super) fn fly(
     }
 }
 
-/// Device time of a frame, ms; its share of the wall time where there is none.
+/// Device time of a frame, ms; its share of the wall time where there are no timestamps.
 pub(super) fn cost_ms(run: &PassTimes) -> f64 {
     run.total().unwrap_or(run.wall).max(1e-6)
 }
@@ -98,7 +99,7 @@ fn medians(runs: &[PassTimes]) -> PassTimes {
     }
 }
 
-/// What to say of invalid timestamps.
+/// Note on frames with invalid timestamps; `None` where there are none.
 pub(super) fn note(rounds: &[Round]) -> Option<String> {
     let refused: u32 = rounds.iter().map(|round| round.refused).sum();
     let frames: u32 = rounds.iter().map(|round| round.frames).sum();

@@ -1,4 +1,5 @@
-//! A report folder while it is being filled: one file a cell, each written whole; a killed run leaves nothing half-done.
+//! A report folder while it is being filled: one file per cell, each written whole; a killed run leaves no partial
+//! file.
 
 use super::clock::ClockRecord;
 use super::record::{Cell, Reference, WallClock};
@@ -11,7 +12,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What a folder belongs to.
+/// Experiment, environment and inputs that a folder belongs to.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct FolderState {
     pub experiment: Value,
@@ -33,8 +34,8 @@ pub(super) struct Store {
 const STATE: &str = "batch.json";
 
 impl Store {
-    /// Opens a folder for what a run wants to record, or makes it; also what the person who runs it should know. Records of
-    /// anything else are refused, not mixed.
+    /// Opens a folder for the records of a run, or creates it; also returns notes for the user. A folder with records
+    /// of anything else is refused.
     pub fn open(folder: &Path, wanted: FolderState) -> Result<(Self, Vec<String>)> {
         for sub in ["cells", "references", "clock", "images"] {
             let path = folder.join(sub);
@@ -79,7 +80,7 @@ impl Store {
         self.path(&format!("cells/{id}.json")).exists()
     }
 
-    /// The cell recorded under `id`; its own id, under which it would be written again, must be the same.
+    /// The cell recorded under `id`; its own id must be the same.
     pub fn cell(&self, id: &str) -> Result<Cell> {
         let path = self.path(&format!("cells/{id}.json"));
         let cell: Cell = read(&path)?;
@@ -118,7 +119,7 @@ impl Store {
         self.write(&format!("clock/{reference}-{block}.json"), record)
     }
 
-    /// How steady the adapter was in each block of a view, in the order of the blocks.
+    /// Clock records of a view's blocks, in the order of the blocks.
     pub fn clock(&self, view_id: &str) -> Result<Vec<ClockRecord>> {
         let folder = self.path("clock");
         let mut records = Vec::new();
@@ -173,7 +174,7 @@ fn refuse_other(folder: &Path, found: &FolderState, wanted: &FolderState) -> Res
             sources(wanted)
         ));
     }
-    // The commit says no more than the sources do: one that changed none of them makes the same numbers.
+    // The commit is left out: commits whose sources have equal hashes give the same numbers.
     let machine = |environment: &Environment| Environment {
         commit: String::new(),
         ..environment.clone()
@@ -187,7 +188,7 @@ fn refuse_other(folder: &Path, found: &FolderState, wanted: &FolderState) -> Res
     Ok(())
 }
 
-/// What differs since the last run, though its records may be kept.
+/// Notes on changes since the last run under which its records may be kept.
 fn differences(found: &FolderState, wanted: &FolderState) -> Vec<String> {
     let (theirs, ours) = (&found.environment.commit, &wanted.environment.commit);
     let program = (theirs != ours).then(|| {

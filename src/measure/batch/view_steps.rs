@@ -1,4 +1,4 @@
-//! What a scene's own view steps cost: the error that truth and methods share, so that no cell shows it.
+//! Error of a scene's own view steps: truth and methods share it, so that no cell's error contains it.
 
 use super::Task;
 use crate::backend::View;
@@ -31,8 +31,7 @@ pub(super) fn view_step_error(task: &Task, view: &View) -> Result<(Option<f64>, 
     Ok((error_of(&finer, &own)?, passes_s))
 }
 
-/// `rel_rmse` of the scene's own steps; `None` where nothing of the cloud is lit: there is no error to speak of, and every
-/// cell says the same.
+/// `rel_rmse` of the scene's own steps; `None` where nothing of the cloud is lit, so that no relative error is defined.
 fn error_of(finer: &Frame, own: &Frame) -> Result<Option<f64>> {
     match compare(finer, own) {
         Ok(comparison) => Ok(Some(comparison.error.rel_rmse)),

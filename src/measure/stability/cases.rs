@@ -1,4 +1,4 @@
-//! What is swept: every setting of every method, and the temporary volumes of the scenes.
+//! Cases of a sweep: every setting of every method, and the generated volumes of the scenes.
 
 use super::record::Setting;
 use crate::config::{Extreme, VolumeFile};
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
-/// Choices that make rows.
+/// Parameters whose options give rows of their own.
 const CHOICES: [&str; 3] = ["form", "storage", "lookup"];
 
 /// Every setting of every registered method: form, storage and look-up, where it has them.

@@ -1,4 +1,4 @@
-//! T along light columns on the oracle, its number formats emulated, against the f64 truth.
+//! T along light columns on the oracle, with number formats emulated, against the f64 truth.
 
 use super::record::{Columns, FormVerdict};
 use crate::error::Result;
@@ -8,15 +8,15 @@ use crate::oracle::{LightColumn, Options, Oracle};
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// Depths at which T is looked at, ends included.
+/// Depths at which T is compared, ends included.
 const DEPTHS: u32 = 65;
-/// Samples of the truth between two of them.
+/// Samples of the truth between two depths.
 const TRUTH_SUBSTEPS: u32 = 64;
-/// Beyond `[0, 1]`, and a rise of T, from here on: f32 and f64 rounding stay below.
+/// Tolerance of T outside `[0, 1]` and of its rises: f32 and f64 rounding stay below.
 const TOLERANCE: f64 = 1e-6;
 /// Behind a thin, thick sheet the truncated series overshoots to τ̂ = 1.19 τ (Gibbs); f16 coefficients add 2⁻¹¹ each.
 const OVERSHOOT: f64 = 1.2;
-/// Directions of view rays through which columns are laid, in half pictures: no pixel centre and no texel edge.
+/// Directions of view rays through which columns are laid, in half image extents: on no pixel centre and no texel edge.
 const DIRECTIONS: [[f64; 2]; 5] = [
     [0.013, 0.017],
     [0.61, 0.43],
@@ -24,7 +24,7 @@ const DIRECTIONS: [[f64; 2]; 5] = [
     [-0.67, -0.47],
     [0.53, -0.41],
 ];
-/// Points of a view ray through which columns are laid, shares of its length inside the layer.
+/// Positions on a view ray through which columns are laid, as shares of its length inside the layer.
 const SHARES: [f64; 3] = [0.472, 0.231, 0.794];
 
 /// A light column and its truth.
@@ -60,7 +60,7 @@ pub(super) fn probes(oracle: &Oracle, scene: &Scene, aspect: f64) -> Vec<ColumnP
     out
 }
 
-/// The truth by the midpoint rule: once along the column, in f64.
+/// The truth by the midpoint rule, in one f64 march along the column.
 fn probe(oracle: &Oracle, p: DVec3) -> Option<ColumnProbe> {
     let column = oracle.column_through(p);
     let length_m = column.length_m();
@@ -93,7 +93,7 @@ fn probe(oracle: &Oracle, p: DVec3) -> Option<ColumnProbe> {
     Some(probe)
 }
 
-/// What a method says along the columns: its numbers, and T along the first.
+/// Numbers of a method along the columns, and its T along the first.
 pub(super) fn measure(
     oracle: &Oracle,
     probes: &[ColumnProbe],
@@ -122,8 +122,8 @@ pub(super) fn measure(
     Ok((columns, curves.into_iter().next().unwrap_or_default()))
 }
 
-/// Whether a method may rise as it does: FOM while τ̂ stays below its overshoot over the column's own τ, and a method
-/// without a map because it samples anew from every point.
+/// Whether the rises of T are those that a method documents: FOM while τ̂ stays below its overshoot over the column's
+/// own τ, and a method without a map because it samples anew from every point.
 fn rises_as_documented(
     oracle: &Oracle,
     probes: &[ColumnProbe],

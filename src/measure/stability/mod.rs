@@ -1,4 +1,4 @@
-//! The extremes: every method, form, storage and look-up where numbers end.
+//! Stability sweep: every method, form, storage and look-up at extremes of the number formats.
 //!
 //! ```text
 //! stability.json ─► cases ─► oracle: T along light columns, f16/f32 and flushing emulated ─► verdict, asserted
@@ -47,7 +47,7 @@ impl Profile {
     }
 }
 
-/// What happens during a sweep.
+/// An event of a sweep.
 #[derive(Debug)]
 pub enum SweepEvent<'a> {
     /// The cases are known; `done` of them were recorded by an earlier run and are not repeated.
@@ -57,7 +57,7 @@ pub enum SweepEvent<'a> {
         /// Cases recorded before.
         done: usize,
     },
-    /// Something begins, in a few words.
+    /// A stage begins; a short description.
     Begins(String),
     /// A case was recorded.
     Case(&'a SweepCase),
@@ -66,7 +66,7 @@ pub enum SweepEvent<'a> {
 /// Receives events; `Break` stops the sweep, recorded cases are kept.
 pub type SweepObserver<'a> = &'a mut dyn FnMut(SweepEvent<'_>) -> ControlFlow<()>;
 
-/// Runs what is missing of a sweep in `folder`; without a renderer the oracle runs alone.
+/// Measures the missing cases of a sweep in `folder`; without a renderer on the oracle alone.
 pub fn run(
     stability: &Stability,
     profile: Profile,

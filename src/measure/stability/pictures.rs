@@ -1,4 +1,4 @@
-//! Pictures on the device: what comes of an extreme there is recorded beside the oracle's verdict.
+//! Pictures of extremes on the device, recorded beside the oracle's verdict.
 
 use super::record::{FormVerdict, SweepPicture};
 use crate::error::{Error, Result};
@@ -7,12 +7,12 @@ use crate::occlusion::MethodSetup;
 use crate::progress::unwatched;
 use crate::raymarch::{DeviceView, Renderer};
 
-/// Pixels with less opacity than this in the truth say nothing of V.
+/// Pixels whose opacity in the truth is less are left out: V is not defined there.
 const LEAST_OPACITY: f32 = 1e-6;
-/// V is a ratio of two f32 sums.
+/// Tolerance of V outside `[0, 1]`: V is a ratio of two f32 sums.
 const TOLERANCE: f64 = 1e-4;
 
-/// Renders a method in a view and looks at the stored bits; a device that does not deliver is a result, too.
+/// Renders a method in a view and inspects the stored bits; a device error is a result, too.
 pub(super) fn measure(
     renderer: &Renderer,
     view: &DeviceView,

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Version of the record format; records of another are made again.
 pub const SCHEMA: &str = "occlab-stability-1";
 
-/// What came of a method at an extreme; the order is by severity.
+/// Verdict on a method at an extreme; the order is by severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FormVerdict {
@@ -17,13 +17,13 @@ pub enum FormVerdict {
     Rings,
     /// The scene or the setting was not accepted; the reason is recorded.
     Refused,
-    /// The device did not deliver; its own words are recorded.
+    /// The device returned an error, whose message is recorded.
     Failed,
-    /// Not finite, outside `[0, 1]`, or rising without a document that says so.
+    /// Not finite, outside `[0, 1]`, or rising where the method documents no rise.
     Breaks,
 }
 
-/// `stability.json`: everything the page is made of.
+/// `stability.json`: all data of the page.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
@@ -39,12 +39,12 @@ pub struct Sweep {
     pub wall_s: f64,
     /// Where the published forms begin to fail.
     pub thresholds: Vec<Threshold>,
-    /// In file order.
+    /// Cases in file order.
     pub cases: Vec<SweepCase>,
 }
 
 impl Sweep {
-    /// Forms that must hold and do not.
+    /// Rows whose form must hold and does not.
     pub fn defects(&self) -> Vec<(&SweepCase, &SweepRow)> {
         let rows = |case| {
             let case: &SweepCase = case;
@@ -68,9 +68,9 @@ impl Sweep {
 pub struct SweepCase {
     /// Hash of everything that determines it.
     pub id: String,
-    /// What is pushed, with its unit.
+    /// The quantity that is taken to an extreme, with its unit.
     pub group: String,
-    /// How far.
+    /// Value of that quantity.
     pub name: String,
     /// Why the scene was refused; there are no rows then.
     pub refused: Option<String>,
@@ -109,7 +109,7 @@ impl Setting {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepRow {
-    /// Which.
+    /// Method, form, storage and look-up.
     pub setting: Setting,
     /// Light columns on the oracle, rounding as the setting stores, denormals kept: asserted.
     pub kept: Columns,
@@ -122,7 +122,7 @@ pub struct SweepRow {
 }
 
 impl SweepRow {
-    /// The worse of the oracle's two.
+    /// The worse of [`Self::kept`] and [`Self::flushed`].
     pub fn oracle(&self) -> &Columns {
         if self.flushed.verdict >= self.kept.verdict {
             &self.flushed
@@ -131,7 +131,7 @@ impl SweepRow {
         }
     }
 
-    /// A form that must hold and does not, on the oracle or on the device.
+    /// Whether a form that must hold does not, on the oracle or on the device.
     pub fn is_defect(&self) -> bool {
         let device = self.device.as_ref().map(|picture| picture.verdict);
         let broken =
@@ -168,9 +168,9 @@ pub struct Columns {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepPicture {
-    /// See [`FormVerdict`]; a picture knows nothing of depths, so it never rings.
+    /// See [`FormVerdict`]; a picture has no depths, so it never rings.
     pub verdict: FormVerdict,
-    /// What was wrong, or the device's own words.
+    /// What was wrong, or the device's message.
     pub reason: Option<String>,
     /// Channels of the picture whose exponent bits are all ones.
     pub nonfinite: u64,

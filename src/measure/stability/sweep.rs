@@ -1,4 +1,4 @@
-//! Extremes → records on disk: a killed sweep goes on where it was.
+//! Measures the cases of a sweep and writes a record of each: a killed sweep is resumed.
 
 use super::cases::{settings, setup};
 use super::columns::{ColumnProbe, measure as measure_columns, probes};
@@ -22,10 +22,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// A light ray of the truth takes at most about this many steps: llvmpipe ends loops after 65 535 turns, and an hour
-/// ends somewhere, too.
+/// A light ray of the truth takes at most about this many steps: llvmpipe ends loops after 65 535 iterations, and more
+/// steps take too long.
 const TRUTH_STEPS: f64 = 4000.0;
-/// A uniform medium needs no small steps.
+/// Steps of the longest light ray in a uniform medium, which needs no small ones.
 const UNIFORM_STEPS: f64 = 64.0;
 
 /// A method setting that takes part in a case.
@@ -50,7 +50,7 @@ pub(super) fn case_id(
     renderer: Option<&Renderer>,
 ) -> String {
     let mut scene = extreme.scene.clone().ok();
-    // The folder does not matter, the volume's own description does.
+    // The volume counts by its description, not by its folder.
     let mut volume = Value::Null;
     if let Some(path) = scene.as_mut().and_then(|scene| scene.input_file_mut()) {
         let name = path.file_stem().and_then(|stem| stem.to_str());
@@ -58,7 +58,7 @@ pub(super) fn case_id(
         volume = json!(stability.volumes.get(name).map(|v| format!("{v:?}")));
         *path = name.into();
     }
-    // Two commits of the same sources show the same.
+    // The commit is left out: commits of the same sources give the same results.
     let environment = renderer.map(|renderer| Environment {
         commit: String::new(),
         ..Environment::of_device(&renderer.gpu)
@@ -88,7 +88,7 @@ pub(super) fn recorded(folder: &Path, id: &str) -> Option<SweepCase> {
     serde_json::from_slice(&text).ok()
 }
 
-/// Measures a case and writes its record, whole or not at all.
+/// Measures a case and writes its record atomically.
 pub(super) fn run_case(
     stability: &Stability,
     extreme: &Extreme,
@@ -155,7 +155,7 @@ fn entrants(extreme: &Extreme, scene: &Scene) -> Result<Vec<Entrant>> {
     Ok(out)
 }
 
-/// The oracle's half of a row.
+/// The oracle's part of a row.
 fn row(oracle: &Oracle, probes: &[ColumnProbe], entrant: &Entrant) -> Result<SweepRow> {
     let with = |flush| {
         let mut rounding = Rounding::device(&entrant.setting.storage, flush);

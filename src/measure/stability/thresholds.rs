@@ -26,17 +26,17 @@ pub struct Threshold {
     pub storage: String,
     /// Denormals flushed to zero; `None` where it does not matter.
     pub flush: Option<bool>,
-    /// What the number formats say; `None` = never.
+    /// Prediction from the number formats; `None` = never.
     pub predicted: Option<f64>,
     /// Where the prediction comes from.
     pub source: String,
     /// Measured on the oracle; `None` = not up to [`SEARCHED`].
     pub measured: Option<f64>,
-    /// Found on the device, the same search over pictures and stored bits; `None` = not searched there.
+    /// Found by the same search on the device, over pictures and stored bits; `None` = not searched there.
     pub device: Option<SearchResult>,
 }
 
-/// What a search on the device came to.
+/// Result of a search on the device.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SearchResult {
@@ -44,13 +44,13 @@ pub enum SearchResult {
     At(f64),
     /// No failure up to this value.
     NotUpTo(f64),
-    /// The device did not deliver; its own words.
+    /// The device returned an error with this message.
     Failed(String),
 }
 
-/// Parameters are searched up to here.
+/// Upper end of the searched range of a parameter.
 pub const SEARCHED: f64 = 1e5;
-/// Halvings of a bracket on the oracle: f64 has no more.
+/// Halvings of a bracket on the oracle: f64 resolves no more.
 const HALVINGS: u32 = 52;
 
 /// First value in `low..=high` at which `fails`: `None` when it does not fail at `high`.
@@ -70,7 +70,7 @@ fn bisect(low: f64, high: f64, halvings: u32, fails: impl Fn(f64) -> bool) -> Op
     Some(high)
 }
 
-/// Extinction in the first `share` of a path of 1 m.
+/// Light ray of 1 m whose medium fills the first `share` of it.
 struct Slab {
     extinction_per_m: f64,
     share: f64,
@@ -90,7 +90,7 @@ impl LightRay for Slab {
     }
 }
 
-/// A method's map twin.
+/// The encoding of a method's map, on the CPU.
 struct Map {
     encoding: Box<dyn Encoding>,
 }
@@ -108,14 +108,14 @@ impl Map {
         }
     }
 
-    /// What a texel of a column of 100 steps stores.
+    /// Values that a texel stores for a column of 100 steps.
     fn stored(&self, ray: &Slab, rounding: &Rounding) -> Vec<f64> {
         let column = Column::march(ray, 100, "midpoint", 1.0);
         let values = self.encoding.encode(&column, rounding);
         self.encoding.stored(values, rounding)
     }
 
-    /// T at `depth`, 0…1, of such a column.
+    /// T at `depth`, 0…1, of a column of 100 steps.
     fn transmittance(&self, ray: &Slab, depth: f64, rounding: &Rounding) -> f64 {
         let look_up = LookUp { depth, length: 1.0 };
         self.encoding

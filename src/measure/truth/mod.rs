@@ -1,7 +1,6 @@
 //! The truth of a view: rendered once, kept on disk under a hash of everything that determines it, never stale.
 //!
-//! What is damaged in the
-//! [cache] is rendered again, and a cache that cannot be written costs time but no result.
+//! A damaged entry of the [cache] is rendered again, and a cache that cannot be written costs time but no result.
 
 pub mod cache;
 mod device;
@@ -26,15 +25,15 @@ pub struct Truth {
     pub frame: Frame,
     /// Measurements of the run that rendered it.
     pub cost: TruthCost,
-    /// Read from the disk.
+    /// Whether it was read from the cache.
     pub cached: bool,
     /// Seconds that this call spent in passes, counting included; 0 from the cache.
     pub passes_s: f64,
-    /// What went wrong with the cache, for the person who runs the batch; the truth itself is good.
+    /// What went wrong with the cache, for the user; the truth itself is valid.
     pub note: Option<String>,
 }
 
-/// What rendering a truth took.
+/// Cost of rendering a truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TruthCost {
     /// GPU time, ms; `None` without timestamps.
@@ -49,7 +48,7 @@ pub struct TruthCost {
 pub struct RenderedTruth {
     /// The picture.
     pub frame: Frame,
-    /// What rendering took.
+    /// Cost of rendering it.
     pub cost: TruthCost,
     /// Seconds spent in passes, counting included.
     pub passes_s: f64,

@@ -7,8 +7,8 @@ use crate::oracle::{Options, Oracle};
 use crate::progress::Progress;
 use std::time::Instant;
 
-/// The truth of `oracle`'s scene at its image size, from `cache` when a whole entry is there. It is counted as it is
-/// rendered.
+/// The truth of `oracle`'s scene at its image size, from `cache` when a whole entry is there. Samples are counted while
+/// it is rendered.
 pub fn by_oracle(oracle: &Oracle, cache: Option<&TruthCache>, progress: Progress) -> Result<Truth> {
     cached(id(oracle), oracle.image(), cache, Counting::On, || {
         let start = Instant::now();

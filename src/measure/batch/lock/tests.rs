@@ -1,4 +1,4 @@
-//! Whose locks are respected, taken over or refused, and that one run at most has a folder.
+//! Which locks are respected, taken over or refused; at most one run has a folder.
 
 use super::*;
 use crate::damage::{cases, changed, changes, damaged, edits};

@@ -1,7 +1,8 @@
-//! Every number of a cell's record: its name, how it is written, and where it is shown.
+//! Table of every number of a cell's record: its name, how it is written, and where it is shown.
 //!
-//! Error numbers come from [`METRICS`](crate::metrics::METRICS), all others from the rows of `rows.rs`. Pages, the window and
-//! studies ask this table; `cells.csv` takes its columns from the type of the record, and a test compares both.
+//! Error numbers come from [`METRICS`](crate::metrics::METRICS), all others from the rows of `rows.rs`. Pages, the
+//! window and studies read this table; `cells.csv` takes its columns from the type of the record, and a test compares
+//! both.
 
 mod rows;
 
@@ -51,16 +52,16 @@ pub struct CellNumber {
     pub shown: PagePlace,
     /// Definition.
     pub doc: &'static str,
-    /// Name by which a study asks for it; `None` where it cannot.
+    /// Name of the number in a study; `None` where studies cannot use it.
     pub study: Option<&'static str>,
-    /// Where it is known by round.
+    /// Values by round, where they are recorded.
     pub repeats: Option<Repeats>,
-    /// Never positive: studies are given the size.
+    /// Whether it is never positive; studies then compare its magnitude.
     negative: bool,
     get: Getter,
 }
 
-/// Where the value stands.
+/// Function that reads the value.
 #[derive(Clone, Copy, Debug)]
 enum Getter {
     Cell(fn(&Measured) -> Option<f64>),
@@ -91,7 +92,7 @@ impl CellNumber {
         }
     }
 
-    /// The value as studies compare it: the size of a number that is never positive.
+    /// The value as studies compare it: the magnitude of a number that is never positive.
     pub fn study_value(&self, measured: &Measured) -> Option<f64> {
         let value = self.value(measured)?;
         Some(if self.negative { -value } else { value })

@@ -3,8 +3,8 @@
 use super::{CellNumber, Getter, PagePlace, Repeats};
 use crate::metrics::{Format, Recorded};
 
-/// Rows of [`CellNumber`] by the members of [`Measured`](crate::batch::record::Measured) that hold the value, so that name and
-/// getter are one. `part?.member` is a member of a part that a record may lack; `or` is what stands there then.
+/// Rows of [`CellNumber`] by the members of [`Measured`](crate::batch::record::Measured) that hold the value, so that
+/// name and getter agree. `part?.member` is a member of a part that a record may lack; `or` is the value where it does.
 macro_rules! rows {
     ($(
         $first:ident $(. $next:ident)* $(? . $leaf:ident)? {

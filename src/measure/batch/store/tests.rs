@@ -1,4 +1,4 @@
-//! Damaged folders, folders of others.
+//! Damaged folders, and folders that belong to something else.
 
 use super::*;
 use crate::batch::record::Report;

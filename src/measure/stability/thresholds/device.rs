@@ -1,4 +1,4 @@
-//! The same searches on the device, over small pictures and stored bits.
+//! Searches for thresholds on the device, over small pictures and stored bits.
 
 use super::super::cases::write_volumes;
 use super::super::pictures::{nonfinite, render};
@@ -25,9 +25,9 @@ const DEEP_FRONT: f64 = 0.99;
 const EDGE_M: f64 = 1000.0;
 /// Halvings on the device: three digits.
 const DEVICE_HALVINGS: u32 = 14;
-/// c is searched up to here on the device.
+/// Upper end of the searched range of c on the device.
 const DEVICE_C: f64 = 200.0;
-/// τ of a step is searched up to here on the device.
+/// Upper end of the searched range of a step's τ on the device.
 const DEVICE_TAU: f64 = 1000.0;
 
 impl<'a> DeviceSearch<'a> {
@@ -50,7 +50,7 @@ impl<'a> DeviceSearch<'a> {
         })
     }
 
-    /// What a threshold comes to here; `None` where there is nothing to search.
+    /// Result of the search for a threshold; `None` where there is nothing to search.
     pub fn find(&self, threshold: &Threshold) -> Option<SearchResult> {
         let form = threshold.form.split(' ').nth(1)?;
         let stored = threshold.what != NAN;
@@ -91,7 +91,7 @@ impl<'a> DeviceSearch<'a> {
         Ok(stored && nonfinite_stored > 0 || shown && nonfinite(&frame) > 0)
     }
 
-    /// [`bisect`] with a test that can fail itself.
+    /// [`bisect`] with a test that can return an error.
     fn search(&self, high: f64, fails: impl Fn(f64) -> Result<bool>) -> Result<SearchResult> {
         let limit = high;
         if !fails(high)? {

@@ -1,5 +1,5 @@
-//! One truth in its folder: the picture, and a sheet with what it took and a checksum of both. What does not agree with
-//! its checksum is no truth.
+//! One truth in its folder: the picture, and a sheet with its cost and a checksum of both. An entry that does not agree
+//! with its checksum is refused.
 
 use crate::error::{Error, Result};
 use crate::frame::atomic::{UNFINISHED, write_atomic};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// What stands in the sheet.
+/// Content of the sheet.
 #[derive(Serialize, Deserialize)]
 struct TruthSheet {
     cost: TruthCost,
@@ -18,13 +18,13 @@ struct TruthSheet {
     checksum: String,
 }
 
-/// A file's part in a truth.
+/// Role of a file in a truth.
 pub(super) enum TruthFile {
-    /// What the picture took, and a checksum of both.
+    /// The cost of the picture, and a checksum of both.
     Sheet,
     /// The pixels.
     Picture,
-    /// A file that has not got its name yet.
+    /// A file that is still being written.
     Unfinished,
 }
 
@@ -63,7 +63,7 @@ pub(super) fn read(
     let written = || std::fs::metadata(&sheet).and_then(|found| found.modified());
     let before = written().ok();
     let text = match std::fs::read(&sheet) {
-        // The second where a file stands in place of the folder: keeping a truth there says so.
+        // `NotADirectory`: a file stands in place of the folder; writing a truth there reports it.
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
             return Ok(None);
         }
@@ -104,7 +104,7 @@ fn described(
     Ok((frame, cost))
 }
 
-/// The picture first: a truth counts only with its sheet.
+/// Writes the picture first: a truth counts only with its sheet.
 pub(super) fn write(folder: &Path, id: &str, frame: &Frame, cost: &TruthCost) -> Result<()> {
     std::fs::create_dir_all(folder).map_err(Error::writing(folder))?;
     let (picture, sheet) = (picture(folder, id), sheet(folder, id));
@@ -120,7 +120,7 @@ pub(super) fn write(folder: &Path, id: &str, frame: &Frame, cost: &TruthCost) ->
     })
 }
 
-/// Hash of a picture's file and of what it took, 64 hexadecimal digits.
+/// Hash of a picture's file and its cost, 64 hexadecimal digits.
 fn checksum(picture: &[u8], cost: &TruthCost) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(picture);

@@ -1,4 +1,4 @@
-//! A number of bytes as a person writes it.
+//! Parser for a number of bytes as users write it.
 
 use super::LIMIT_VARIABLE;
 use crate::error::{Error, Result};

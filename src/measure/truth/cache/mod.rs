@@ -43,9 +43,9 @@ pub struct Usage {
     pub entries: usize,
     /// Bytes of all files, those that are being written included.
     pub bytes: u64,
-    /// When the truth was used that has waited longest.
+    /// Last use of the truth that was used longest ago.
     pub oldest_use: Option<SystemTime>,
-    /// When any truth was used last.
+    /// Latest use of any truth.
     pub last_use: Option<SystemTime>,
 }
 
@@ -65,7 +65,7 @@ struct Item {
     files: Vec<PathBuf>,
     bytes: u64,
     used: SystemTime,
-    /// The sheet is there; else the truth is being written, or was when its process ended.
+    /// The sheet is there; otherwise the truth is being written, or its writer ended early.
     whole: bool,
 }
 
@@ -134,7 +134,7 @@ impl TruthCache {
             let sheet = File::options()
                 .write(true)
                 .open(entry::sheet(&self.folder, id));
-            // Who may read a folder but not write to it still has its truths.
+            // Fails for a user who may read the folder but not write to it, who still gets its truths.
             let _ = sheet.and_then(|sheet| sheet.set_modified(SystemTime::now()));
         }
         Ok(found)
@@ -160,7 +160,7 @@ impl TruthCache {
             }
             match item.remove() {
                 Ok(()) => bytes -= item.bytes,
-                // A file of another user in a shared folder; others may make room.
+                // A file of another user in a shared folder; removing others may suffice.
                 Err(problem) => outcome = Err(problem),
             }
         }
@@ -220,7 +220,7 @@ impl Item {
         }
     }
 
-    /// No process is writing it. A time in the future counts as now.
+    /// Whether no process is writing it. A time in the future counts as now.
     fn is_settled(&self) -> bool {
         self.whole || self.used.elapsed().is_ok_and(|age| age > ABANDONED)
     }

@@ -1,4 +1,4 @@
-//! What stays, what goes, and what a reader finds meanwhile.
+//! Which truths are kept, which are removed, and what a reader finds meanwhile.
 
 use super::entry::{picture, sheet};
 use super::*;
@@ -21,7 +21,7 @@ const COST: TruthCost = TruthCost {
     }),
 };
 
-/// A truth that no other number has.
+/// A picture that differs for every number.
 fn frame(number: u32) -> Frame {
     let plane = |k: f32| (0..6).map(|i| [number as f32 + k * i as f32; 4]).collect();
     Frame {
