@@ -1,11 +1,11 @@
-//! What the worker is asked to do: the latest request, then a batch.
+//! Inbox of the worker: the latest request and the latest batch.
 
 use super::Request;
 use std::path::PathBuf;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Latest request and latest batch that the worker has not taken up; a newer one replaces an older.
+/// Latest request and latest batch that the worker has not taken yet; a newer one replaces an older.
 #[derive(Default)]
 pub(super) struct Mailbox {
     inbox: Mutex<Inbox>,
@@ -25,7 +25,7 @@ pub(super) enum Job {
     Request(Box<Request>),
     /// Experiment file and report folder.
     Batch(PathBuf, PathBuf),
-    /// Nothing came while waiting.
+    /// Nothing arrived while waiting.
     Idle,
     Stop,
 }
@@ -43,7 +43,7 @@ impl Mailbox {
         self.filled.notify_one();
     }
 
-    /// Ends the batch under way; `true`: it was still waiting, and no update will say that it is over.
+    /// Ends the batch under way; returns whether it had not begun, so that no update will report its end.
     pub fn cancel_batch(&self) -> bool {
         let mut inbox = self.lock();
         inbox.cancel = true;
@@ -74,13 +74,13 @@ impl Mailbox {
         }
     }
 
-    /// Something newer than the request under way is waiting.
+    /// Whether a newer request, a batch or the end of the worker is waiting.
     pub fn supersedes_request(&self) -> bool {
         let inbox = self.lock();
         inbox.stop || inbox.request.is_some() || inbox.batch.is_some()
     }
 
-    /// The batch under way is to end.
+    /// Whether the batch under way is to end.
     pub fn supersedes_batch(&self) -> bool {
         let inbox = self.lock();
         inbox.stop || inbox.cancel

@@ -1,11 +1,12 @@
 //! Interactive worker: a thread that owns the renderer and serves one request at a time; a newer request cancels the
-//! current one. Pictures start coarse and end exact. A window consumes what it sends; the worker knows no window.
+//! current one. Pictures start coarse and end exact. The window consumes its updates; the worker does not depend on a
+//! window.
 //!
 //! ```text
 //! Request ─► mailbox ─► worker: coarse picture, exact picture, truth band by band, error numbers ─► Update
 //! ```
 //!
-//! An exact picture is the one a batch cell has, and so are its error numbers.
+//! An exact picture and its error numbers equal those of a batch cell.
 
 mod mailbox;
 mod probes;
@@ -29,7 +30,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use update::Sender;
 
-/// Pictures that are wanted, of one scene.
+/// Request for pictures of one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// Comes back with every [`Update`] about it.
@@ -44,11 +45,11 @@ pub struct Request {
     pub truth: bool,
     /// Index of the method whose light map is wanted.
     pub map_of: Option<usize>,
-    /// Render the first method again and again when everything is done, for its times.
+    /// Render the first method repeatedly when everything else is done, for its times.
     pub repeat: bool,
 }
 
-/// The worker as its owner sees it; ends with it.
+/// Handle of the worker thread; dropping it ends the thread.
 pub struct Live {
     mailbox: Arc<Mailbox>,
     updates: Receiver<Update>,
@@ -112,7 +113,7 @@ impl Drop for Live {
     fn drop(&mut self) {
         self.mailbox.stop();
         if let Some(worker) = self.worker.take() {
-            // A worker that panicked has said so on stderr; there is nothing left to end.
+            // A panic of the worker was printed on stderr; its thread has ended already.
             let _ = worker.join();
         }
     }

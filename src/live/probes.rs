@@ -28,7 +28,7 @@ pub struct Probed {
     pub seen_m: Option<f64>,
 }
 
-/// The last oracle: the next probe of the same clouds does not make them again.
+/// The last oracle, reused by the next probe of the same clouds.
 pub(super) type Shared = Arc<Mutex<Option<Arc<Oracle>>>>;
 
 /// Probes on a new thread.

@@ -1,4 +1,4 @@
-//! One request being served: coarse pictures, exact ones, comparisons with the truth.
+//! Serves one request: coarse pictures, exact ones, comparisons with the truth.
 
 use super::Request;
 use super::stage::{Finished, Stage, coarser, filled};
@@ -17,12 +17,12 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How often parts of a slow picture are sent.
+/// Interval at which finished parts of a slow picture are sent.
 const PARTS: Duration = Duration::from_millis(150);
 /// Edge of the smallest map of a first picture, texels.
 const LEAST_MAP: i64 = 32;
 
-/// The method with a map as coarse as its first picture: on a slow adapter the map takes longest.
+/// The method with a coarser map for a coarse first picture: on a slow adapter the map takes longest.
 fn preview(setup: &MethodSetup, factor: u32) -> MethodSetup {
     let mut setup = setup.clone();
     if let Some(ParamValue::Int(resolution)) = setup.params.get("resolution") {
@@ -38,7 +38,7 @@ pub(super) struct Show<'a, 'w> {
     request: &'a Request,
     stage: Stage,
     coarse: HashMap<What, Frame>,
-    /// Something of this request is on the screen: it may be superseded from now on.
+    /// A picture of this request is on the screen: from now on a newer request may cancel it.
     shown: bool,
 }
 
@@ -54,7 +54,7 @@ impl<'a, 'w> Show<'a, 'w> {
         }
     }
 
-    /// What was rendered, for the next request.
+    /// The rendered pictures, for the next request.
     pub fn into_stage(self) -> Stage {
         self.stage
     }
@@ -69,7 +69,7 @@ impl<'a, 'w> Show<'a, 'w> {
         Ok(wanted)
     }
 
-    /// Coarse pictures first, then exact ones, in the order of urgency; what fails is said and the others go on.
+    /// Coarse pictures first, then exact ones, in the order of urgency; after a failure the others go on.
     pub fn all(&mut self) -> Result<()> {
         let wanted = self.wanted()?;
         let mut coarse = Vec::new();
@@ -85,7 +85,7 @@ impl<'a, 'w> Show<'a, 'w> {
             }
         }
         for (what, setup) in coarse {
-            // Finished meanwhile: the same method twice.
+            // Finished earlier in this loop, where a method is requested twice.
             let outcome = match self.stage.finished(setup).cloned() {
                 Some(finished) => self.send_exact(what, setup, &finished),
                 None => self.exact(what, setup),
@@ -105,7 +105,7 @@ impl<'a, 'w> Show<'a, 'w> {
         Ok(())
     }
 
-    /// The first picture, coarse where the exact one would take too long; is it the exact one?
+    /// Renders the first picture, coarse where the exact one would take too long; returns whether it is exact.
     fn first(&mut self, what: What, setup: &MethodSetup) -> Result<bool> {
         let factor = self.worker.factor(self.request, setup);
         if factor == 1 {
@@ -132,7 +132,7 @@ impl<'a, 'w> Show<'a, 'w> {
         Ok(false)
     }
 
-    /// The exact picture; its finished bands are sent while it takes long.
+    /// Renders the exact picture; sends its finished bands where it takes long.
     fn exact(&mut self, what: What, setup: &MethodSetup) -> Result<()> {
         let (scene, image) = (&self.request.scene, self.request.image);
         let view: View = self.worker.backend.view(scene, image)?;
@@ -212,7 +212,7 @@ impl<'a, 'w> Show<'a, 'w> {
         });
     }
 
-    /// Sends an exact picture and what can be said of it; a new truth concerns all methods.
+    /// Sends an exact picture and its comparison with the truth; a new truth is compared with all methods.
     fn send_kept(&mut self, what: What, finished: &Finished) {
         let drawn = self.stage.exact(what, finished);
         self.send(drawn);
@@ -237,7 +237,7 @@ impl<'a, 'w> Show<'a, 'w> {
         self.worker.sender.send(Update::Picture { serial, drawn });
     }
 
-    /// Compares with the truth, if it is there, beside the worker.
+    /// Compares with the truth, if it is there, on another thread.
     fn compare(&self, method: usize, finished: &Finished) {
         let Some(truth) = self.stage.truth.clone().filter(|_| self.request.truth) else {
             return;

@@ -1,4 +1,4 @@
-//! What the worker has rendered of one view: kept while only methods change.
+//! Exact pictures of one view, kept while only the methods change.
 
 use super::Request;
 use super::update::{Drawn, Rgb, What};
@@ -14,7 +14,7 @@ pub(super) struct Stage {
     scene: Scene,
     image: ImageSize,
     finished: Vec<(MethodSetup, Finished)>,
-    /// The truth, once it is whole.
+    /// The truth, once it is complete.
     pub truth: Option<Arc<Frame>>,
     /// Exposure of the truth; until there is one, of the first picture.
     exposure: Option<Exposure>,
@@ -28,7 +28,7 @@ pub(super) struct Finished {
 }
 
 impl Stage {
-    /// Nothing of a request's view yet. Until its truth is there pictures keep the `exposure` of the view before.
+    /// An empty stage for a request's view. Until its truth is there pictures keep the `exposure` of the previous view.
     pub fn new(request: &Request, exposure: Option<Exposure>) -> Self {
         Self {
             scene: request.scene.clone(),
@@ -39,12 +39,12 @@ impl Stage {
         }
     }
 
-    /// Does the request see the same?
+    /// Whether the request has the same scene and image size.
     pub fn shows(&self, request: &Request) -> bool {
         self.scene == request.scene && self.image == request.image
     }
 
-    /// What the next view starts with.
+    /// Exposure that the next view starts with.
     pub fn exposure(&self) -> Option<Exposure> {
         self.exposure
     }
@@ -98,7 +98,7 @@ impl Stage {
     }
 }
 
-/// An image size with `factor` pixels in one, at least one pixel.
+/// An image size with one pixel for `factor` × `factor` pixels, rounded up.
 pub(super) fn coarser(image: ImageSize, factor: u32) -> ImageSize {
     ImageSize {
         width: image.width.div_ceil(factor),

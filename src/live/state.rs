@@ -1,4 +1,4 @@
-//! What is looked at, as the JSON that a batch reads.
+//! State of the window: scene, image size and two methods, as the JSON that a batch reads.
 
 use crate::config::{Experiment, expand, load_experiment, load_scene, parse_experiment};
 use crate::error::{Error, Result};
@@ -28,7 +28,7 @@ impl State {
         height: 180,
     };
 
-    /// A scene with the methods that the lab is asked about most.
+    /// A scene with `srm` and `bsm` at their defaults.
     pub fn new(scene: Scene) -> Result<Self> {
         Ok(Self {
             scene,
@@ -75,7 +75,7 @@ impl State {
         Ok(state)
     }
 
-    /// The state as an experiment of one view whose scene stands in the file itself.
+    /// The state as an experiment of one view whose scene is part of the file.
     pub fn experiment(&self) -> Result<Value> {
         let mut scene = self.scene.clone();
         if let Some(path) = scene.input_file_mut() {

@@ -1,4 +1,4 @@
-//! What comes back from the worker.
+//! Updates that the worker sends.
 
 use super::probes::Probed;
 use crate::batch::Event;
@@ -63,7 +63,7 @@ pub enum Update {
         /// The picture.
         drawn: Drawn,
     },
-    /// The exact picture of a method against the truth.
+    /// Comparison of a method's exact picture with the truth.
     Compared {
         /// See [`super::Request::serial`].
         serial: u64,
@@ -119,7 +119,7 @@ pub enum Update {
     Lost(String),
 }
 
-/// Sends updates and wakes whoever waits for them.
+/// Sends updates and wakes their receiver.
 #[derive(Clone)]
 pub(super) struct Sender {
     updates: mpsc::Sender<Update>,

@@ -18,11 +18,11 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// How often shaders on disk are looked at.
+/// Interval at which shaders on disk are checked.
 const PATIENCE: Duration = Duration::from_millis(300);
-/// How long files must stay as they are to be compiled.
+/// Time for which files must stay unchanged before they are compiled.
 const REST: Duration = Duration::from_millis(200);
-/// A first picture may take about this, ms; what is slower starts coarser.
+/// Aimed time of a first picture, ms; slower ones start coarser.
 const FIRST_MS: f64 = 60.0;
 /// Coarseness of a first picture whose speed is not known.
 const UNKNOWN_FACTOR: u32 = 4;
@@ -70,7 +70,7 @@ pub(super) struct Worker<'a> {
     /// Folder of shaders, and its files when they were last compiled.
     shaders: Option<PathBuf>,
     seen: Option<Sources>,
-    /// Files that differ from those, and since when.
+    /// Changed files that were not compiled yet, and since when they are unchanged.
     resting: Option<(Instant, Sources)>,
 }
 
@@ -106,7 +106,7 @@ impl Worker<'_> {
         self.repeat(request)
     }
 
-    /// Times of the first method, until something else is wanted.
+    /// Renders the first method repeatedly, for its times, until something else is requested.
     fn repeat(&self, request: &Request) -> Result<()> {
         let Some(setup) = request.methods.first().filter(|_| request.repeat) else {
             return Ok(());
@@ -146,7 +146,7 @@ impl Worker<'_> {
         let (Some(folder), Backend::Device(renderer)) = (&self.shaders, &mut self.backend) else {
             return;
         };
-        // A file that cannot be read is being written by an editor: it is looked at again.
+        // A file that cannot be read is being written by an editor: it is read again later.
         let Ok(sources) = Sources::read(folder) else {
             return;
         };
@@ -155,7 +155,7 @@ impl Worker<'_> {
             self.seen = Some(sources);
             return;
         }
-        // Nor is one that was cut short to be written anew: files count when they have rested.
+        // An editor may also truncate a file before writing it: files must stay unchanged for a while.
         match &self.resting {
             Some((since, known)) if *known == sources => {
                 if since.elapsed() < REST {
