@@ -1,4 +1,4 @@
-//! The window's content and what it remembers between frames.
+//! The window's content and its state between frames.
 
 use super::map::MapView;
 use super::probe::Asked;
@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Which method a panel speaks of.
+/// Slot of a picture: method A or B, the truth, or a method of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Slot {
     /// The method A, or B: 0, 1.
@@ -32,7 +32,7 @@ pub struct App {
     pub(super) state: State,
     pub(super) mode: Mode,
     pub(super) pane: Pane,
-    /// Time goes by.
+    /// The sun of a day is being played.
     pub(super) play: Option<Play>,
     /// The last probe that was asked for.
     pub(super) asked: Option<Asked>,
@@ -44,12 +44,12 @@ pub struct App {
     pub(super) scenes: Vec<PathBuf>,
     /// The chosen one, while it is unchanged.
     pub(super) scene_file: Option<PathBuf>,
-    /// The truth is wanted: error numbers, differences.
+    /// The truth is requested: error numbers, differences.
     pub(super) want_truth: bool,
-    /// Times are measured again and again.
+    /// Times are measured repeatedly.
     pub(super) repeat: bool,
     pub(super) undoer: Undoer<State>,
-    /// What it was opened with, for `reset`.
+    /// State that it was opened with, for `reset`.
     pub(super) initial: State,
     pub(super) banners: banner::Banners,
     pub(super) files: files::Files,
@@ -102,7 +102,7 @@ impl App {
         })
     }
 
-    /// The same; what ends the window against the user's will is written to `ending`.
+    /// [`Self::new`] whose `ending` receives the error that closes the window.
     pub(super) fn ending_in(self, ending: Arc<Mutex<Option<String>>>) -> Self {
         Self { ending, ..self }
     }
@@ -133,7 +133,7 @@ impl App {
         }
     }
 
-    /// What the state and the way of comparing need, and which slots it fills.
+    /// Slots and methods that the state and the mode need.
     fn wanted(&self) -> (Vec<Slot>, Vec<MethodSetup>) {
         let side = |i: usize| (Slot::Side(i), self.state.methods[i].clone());
         let mut wanted = vec![side(0)];

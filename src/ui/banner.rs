@@ -1,4 +1,4 @@
-//! Lines across the window: what went wrong and is still true.
+//! Banner across the window: problems that persist.
 
 use eframe::egui;
 

@@ -138,7 +138,7 @@ fn failure(cell: &Cell) -> Option<String> {
 /// A batch under way; `true`: it is to end.
 fn progress(run: &RunningBatch, ui: &mut egui::Ui) -> bool {
     ui.label("Pictures in the window wait until the batch is over.");
-    // Above what changes its height: the button stays where it is.
+    // Drawn above content of changing height, so that the button does not move.
     let button = egui::Button::new(if run.cancelled { "Ending…" } else { "Cancel" });
     let cancel = ui
         .add_enabled(!run.cancelled, button)

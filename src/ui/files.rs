@@ -122,7 +122,7 @@ impl App {
         }
     }
 
-    /// The exact picture of A; where it is not there yet that is said.
+    /// The exact picture of A; a message where it is not there yet.
     fn exact_picture(&mut self) -> Option<(Arc<Frame>, Arc<Rgb>)> {
         let drawn = self.shown.picture(Slot::Side(0)).map(|p| &p.drawn);
         let found = drawn.filter(|d| d.is_exact());
@@ -139,7 +139,7 @@ impl App {
         found
     }
 
-    /// Does with a path what it was asked for.
+    /// Acts on a path that was asked for.
     fn chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         let outcome = match purpose {
             Purpose::Open => self.open_file(&path),

@@ -4,7 +4,7 @@ use super::app::App;
 use super::{map, probe};
 use eframe::egui;
 
-/// What it shows.
+/// Content of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lower {
@@ -14,9 +14,9 @@ pub enum Lower {
     Map,
 }
 
-/// The largest share of the height.
+/// Largest share of the window's height.
 const MOST: f32 = 0.6;
-/// The smallest height where there is that much, points.
+/// Smallest height where there is room for it, points.
 const LEAST: f32 = 140.0;
 
 impl Lower {
@@ -31,7 +31,7 @@ impl Lower {
         }
     }
 
-    /// What it is for.
+    /// Help text of the tab.
     pub fn explained(self) -> &'static str {
         match self {
             Self::Probe => "Transmittance of every method along the light through a clicked pixel",

@@ -1,4 +1,4 @@
-//! What a light map holds, value by value, as a picture.
+//! Viewer of light maps: one value of the texels at a time, as an image.
 
 use super::app::{App, Slot};
 use super::lower;
@@ -11,7 +11,7 @@ use crate::raymarch::MapTexels;
 use eframe::egui::{self, Color32, Rect, Role, Sense, pos2, vec2};
 use std::sync::Arc;
 
-/// What the viewer remembers.
+/// State of the viewer.
 #[derive(Default)]
 pub struct MapView {
     /// The value of a texel that is shown.
@@ -39,7 +39,7 @@ struct Painted {
 
 /// From black to white.
 const GREYS: [(f32, [u8; 3]); 2] = [(-1.0, [0; 3]), (1.0, [255; 3])];
-/// Edge of the largest texture; of larger maps texels are left out.
+/// Edge of the largest texture; larger maps are subsampled.
 const LARGEST: u32 = 2048;
 /// Width of the colour bar, and height with its numbers, points.
 const SCALE: [f32; 2] = [260.0, 32.0];
@@ -179,7 +179,7 @@ fn image(
     egui::ColorImage::from_rgb([edge as usize; 2], &pixels)
 }
 
-/// The map at the left, what is said of it at the right.
+/// The map at the left, its description at the right.
 fn picture(app: &mut App, ui: &mut egui::Ui, setup: &MethodSetup) {
     let Some(painted) = &app.map_view.painted else {
         return;

@@ -129,7 +129,7 @@ pub fn keys(app: &mut App, ctx: &egui::Context) {
     if escape {
         app.files.close();
     }
-    // A text that is being written has its own meaning for the keys below.
+    // While text is edited, the keys below belong to it.
     if ctx.text_edit_focused() {
         return;
     }

@@ -1,5 +1,5 @@
-//! The window: methods from a drop-down, the difference at once. It shows what [`crate::live`] sends and decides nothing
-//! about rendering; the only GPU object it knows is the texture that egui shows.
+//! The window: compares methods interactively. It shows what [`crate::live`] sends and renders nothing of the scene
+//! itself; its only GPU objects are the textures that egui shows.
 //!
 //! ```text
 //! State (scene, size, methods A and B) ─► Request ─► live ─► Update ─► Shown (textures, numbers) ─► panels
@@ -47,8 +47,8 @@ pub struct WindowOptions {
 
 /// Opens the window on `gpu`, which was made by [`Gpu::for_window`], and returns when it is closed.
 pub fn open(gpu: Gpu, options: WindowOptions) -> Result<()> {
-    // One device for both, except on llvmpipe: after a frame of the window it would put off the timestamps of the
-    // passes behind it until the next, so that they measure nothing.
+    // One device for window and renderer, except on llvmpipe: it writes the timestamps of passes that follow a frame of
+    // the window only with the next frame, so that they measure nothing.
     let own = match gpu.is_software() {
         true => Some(Gpu::for_window(Some(&gpu.info.name))?),
         false => None,
@@ -97,5 +97,5 @@ pub fn open(gpu: Gpu, options: WindowOptions) -> Result<()> {
     }
 }
 
-/// What to do where no window can be.
+/// Hint where no window can be opened.
 pub const WITHOUT_A_WINDOW: &str = "Without a display use `occlab render --scene cumulus --method bsm --out bsm.png` or `occlab batch configs/quick.json`.";

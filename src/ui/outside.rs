@@ -1,4 +1,4 @@
-//! What a program that holds the window's content sees of it.
+//! Access to the window's content from outside.
 
 use super::app::{App, Slot};
 use super::view::Mode;
@@ -21,7 +21,7 @@ impl App {
         self.mode = mode;
     }
 
-    /// What the banners say; empty when there is nothing.
+    /// Text of the banner; empty when there is none.
     pub fn messages(&self) -> String {
         self.banners.text()
     }
@@ -36,7 +36,7 @@ impl App {
         self.shown(Slot::Side(side))
     }
 
-    /// The same of the truth.
+    /// The picture of the truth, and the texture that shows it.
     pub fn truth(&self) -> Option<(&Drawn, egui::TextureId)> {
         self.shown(Slot::Truth)
     }

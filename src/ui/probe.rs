@@ -120,7 +120,7 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
     }
 }
 
-/// What the marks mean, and what the column holds.
+/// Optical depth of the column, depth of the point seen, and what the marks of the curves mean.
 fn notes(probed: &Probed) -> Vec<String> {
     let probe = &probed.probe;
     // −ln 1 would be −0.
@@ -197,10 +197,10 @@ fn chart(ui: &mut egui::Ui, names: &[String], probed: &Probed) {
     response.response.widget_info(info);
 }
 
-/// Depths between two marks of a curve that is outside.
+/// Depths of a curve between two of its marks.
 const MARKED: usize = 8;
 
-/// Where a curve is outside the truth's range, and where its clamp sets in; in the legend under the curve's name.
+/// Marks where a curve is outside the truth's range, and where its clamp sets in; in the legend under the curve's name.
 fn marks(name: &str, depths_m: &[f64], curve: &MethodCurve) -> Vec<Points<'static>> {
     let point = |i: usize| [depths_m[i], curve.transmittance[i]];
     let outside = (0..depths_m.len()).filter(|i| curve.outside[*i]);

@@ -1,5 +1,5 @@
-//! Where the window was left: a file in the user's data folder, written a while after each change and at the end. A file
-//! that cannot be used never keeps the window from opening.
+//! Keeps the window's state between runs: a file in the user's data folder, written some seconds after each change and
+//! at the end. A file that cannot be used never prevents the window from opening.
 
 use super::app::App;
 use super::view::Mode;
@@ -18,7 +18,8 @@ use std::time::{Duration, Instant};
 /// At most one write in this time.
 const PAUSE: Duration = Duration::from_secs(3);
 
-/// The file that remembers: `OCCLAB_STATE`, else in the user's data folder; `None` where a user has no such folder.
+/// The file of the window's state: `OCCLAB_STATE`, else in the user's data folder; `None` where a user has no such
+/// folder.
 pub fn file() -> Option<PathBuf> {
     if let Some(file) = std::env::var_os("OCCLAB_STATE").filter(|file| !file.is_empty()) {
         return Some(file.into());
@@ -65,7 +66,7 @@ impl From<Theme> for ThemePreference {
     }
 }
 
-/// What can change from one moment to the next.
+/// State that can change between frames.
 #[derive(Clone, PartialEq)]
 struct Now {
     mode: Mode,
@@ -74,17 +75,17 @@ struct Now {
     state: State,
 }
 
-/// What was written last, and what is being written.
+/// State that was written last, and the write under way.
 #[derive(Default)]
 pub struct WindowMemory {
     file: Option<PathBuf>,
-    /// To be applied when there is something to apply it to.
+    /// Theme read from the file, until it is applied.
     recalled: Option<ThemePreference>,
-    /// The one in use.
+    /// The theme in use.
     theme: ThemePreference,
     written: Option<(Now, Instant)>,
     writer: Option<JoinHandle<Result<()>>>,
-    /// The person was told that the file cannot be written.
+    /// Whether the user was told that the file cannot be written.
     complained: bool,
 }
 
@@ -165,13 +166,13 @@ impl App {
         self.memory.written = Some((now, Instant::now()));
     }
 
-    /// Takes the outcome of a write, if it is over or `wait`; that it failed is said once.
+    /// Takes the outcome of a write, if it is over or `wait`; a failure is reported once.
     fn finish_writing(&mut self, wait: bool) {
         let over = |writer: &mut JoinHandle<_>| wait || writer.is_finished();
         let Some(writer) = self.memory.writer.take_if(over) else {
             return;
         };
-        // A writer that panicked has said so on stderr.
+        // A panic of the writer was printed on stderr.
         if let Ok(Err(error)) = writer.join()
             && !std::mem::replace(&mut self.memory.complained, true)
         {
@@ -197,7 +198,7 @@ fn write(file: &Path, now: &Now) -> Result<()> {
     })
 }
 
-/// What a file remembers; `None` when there is no file.
+/// Content of a file; `None` when there is no file.
 fn recall(file: &Path) -> Result<Option<(Left, State)>> {
     if !file.exists() {
         return Ok(None);

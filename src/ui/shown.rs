@@ -1,4 +1,4 @@
-//! What the worker sent, as textures and numbers by slot.
+//! Textures and numbers from the worker's updates, by slot.
 
 use super::app::Slot;
 use crate::cost::PassTimes;
@@ -12,7 +12,7 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Requests whose updates may still come.
+/// Most requests whose updates are still accepted.
 const REMEMBERED: usize = 256;
 /// Runs in the rolling plot.
 const RUNS: usize = 120;
@@ -23,9 +23,9 @@ pub struct Shown {
     pictures: HashMap<Slot, ShownPicture>,
     compared: HashMap<Slot, Compared>,
     expected: VecDeque<Expected>,
-    /// What `runs` are times of.
+    /// Scene, size and method whose times are in `runs`.
     timed: Option<(Scene, ImageSize, Option<MethodSetup>)>,
-    /// Everything that was asked for is there.
+    /// Everything that was requested is there.
     pub done: bool,
     /// The light map that was asked for last and whose it is; `None` inside: the method has none.
     pub map: Option<(Slot, Option<Arc<MapTexels>>)>,
@@ -65,7 +65,7 @@ struct Expected {
 }
 
 impl Shown {
-    /// A request was sent whose methods belong to `slots`.
+    /// Registers a request that was sent; its methods belong to `slots`.
     pub fn expect(&mut self, request: &Request, slots: Vec<Slot>) {
         self.done = false;
         let timed = (
@@ -113,7 +113,7 @@ impl Shown {
             .map(|c| (c, Some(c.serial) == latest))
     }
 
-    /// Takes news of the worker.
+    /// Takes an update of the worker.
     pub fn take(&mut self, ctx: &egui::Context, update: Update) {
         match update {
             Update::Picture { serial, drawn } => self.take_picture(ctx, serial, drawn),
@@ -149,7 +149,7 @@ impl Shown {
             }
             Update::Probed { result, .. } => self.probed = Some(result),
             batch @ (Update::Batch(_) | Update::BatchDone(_)) => self.batch.push(batch),
-            // These are the window's own affair.
+            // Handled by the window itself.
             Update::Failed { .. } | Update::Shaders(_) | Update::Lost(_) => {}
         }
     }
@@ -218,7 +218,7 @@ fn texture(ctx: &egui::Context, name: &str, rgb: &Rgb) -> egui::TextureHandle {
     ctx.load_texture(name, image(rgb), options())
 }
 
-/// Pixels are shown as they are: a lab's pictures are not smoothed.
+/// Pixels are shown without interpolation.
 fn options() -> egui::TextureOptions {
     egui::TextureOptions::NEAREST
 }

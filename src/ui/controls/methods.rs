@@ -40,12 +40,12 @@ pub fn draw(ui: &mut egui::Ui, title: &str, setup: &mut MethodSetup) {
         });
 }
 
-/// Whether a parameter is shown: not where all that could be chosen is what a source prints, unless it is chosen already.
+/// Whether a parameter is shown. One whose options only reproduce a source is shown where it is not at its default.
 fn is_offered(spec: &ParamSpec, setup: &MethodSetup) -> bool {
     spec.is_everyday() || setup.params.get(spec.name) != Some(spec.default_value())
 }
 
-/// What a menu offers: everyday options, and the present value where it is none of them.
+/// Options in a menu: everyday ones, and the present value where it is none of them.
 fn offered(spec: &ParamSpec, value: &'static str) -> impl Iterator<Item = &'static str> {
     let printed = spec.printed(value).map(|p| p.option);
     spec.everyday_options().chain(printed)

@@ -6,7 +6,7 @@ use crate::scene::{ImageSize, March, Scene};
 use crate::ui::app::App;
 use eframe::egui;
 
-/// Sizes on offer: 16:9, up to what one looks at on a large screen.
+/// Image sizes on offer: 16:9, up to that of a large screen.
 const SIZES: [[u32; 2]; 6] = [
     [160, 90],
     [320, 180],

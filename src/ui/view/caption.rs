@@ -1,4 +1,4 @@
-//! What is said over a picture, and in place of one.
+//! Text above a picture, and in place of one.
 
 use super::Subject;
 use crate::occlusion::{MethodSetup, REGISTRY};
@@ -124,7 +124,7 @@ fn parameters(setup: &MethodSetup) -> String {
     parts.collect::<Vec<_>>().join(", ")
 }
 
-/// What keeps a picture from being the exact one; nothing if it is.
+/// Why a picture is not the exact one; `None` if it is.
 fn status(app: &App, subject: Subject) -> Option<String> {
     let slot = match subject {
         Subject::Slot(slot) => slot,
@@ -160,7 +160,7 @@ fn difference_status(app: &App) -> Option<String> {
     }
 }
 
-/// How far the truth is: `truth 43 %`.
+/// Progress of the truth: `truth 43 %`.
 fn truth_progress(app: &App) -> String {
     let picture = app.shown.picture(Slot::Truth);
     let current = picture.filter(|_| app.shown.is_current(Slot::Truth));

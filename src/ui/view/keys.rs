@@ -1,4 +1,4 @@
-//! Keys of the middle: one table for people, and what each does.
+//! Keys of the picture area: their table for the help, and their actions.
 
 use super::{Mode, choose, play};
 use crate::ui::app::App;

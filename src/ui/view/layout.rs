@@ -1,4 +1,4 @@
-//! Where each arrangement puts its pictures.
+//! Layout of the pictures in each mode.
 
 use super::caption::{self, A};
 use super::{Mode, Subject, colour_bar, picture};
@@ -115,7 +115,7 @@ fn divider(app: &mut App, ui: &mut egui::Ui, rect: Rect, x: f32) {
     }
 }
 
-/// What a key moves the divider by.
+/// Change of the divider by a key.
 fn step(event: &egui::Event) -> f32 {
     let egui::Event::Key {
         key,

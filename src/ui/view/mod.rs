@@ -73,7 +73,7 @@ impl Mode {
     }
 }
 
-/// What the middle remembers between frames.
+/// State of the picture area between frames.
 #[derive(Clone, Debug)]
 pub struct Pane {
     /// Place of the divider of [`Mode::Split`], 0…1.
@@ -82,7 +82,7 @@ pub struct Pane {
     pub lower: Option<Lower>,
     /// The side, 0 or 1, whose light map is shown there.
     pub map_side: usize,
-    /// Where [`Mode::Flicker`] is.
+    /// State of [`Mode::Flicker`].
     pub flicker: Alternation,
 }
 
@@ -129,7 +129,7 @@ impl Alternation {
         self.since_s = now_s;
     }
 
-    /// Flips when it is time; the seconds until the next time.
+    /// Flips when it is due; returns the seconds until the next flip.
     fn advance(&mut self, now_s: f64) -> Option<f64> {
         if !self.by_itself {
             return None;
@@ -141,7 +141,7 @@ impl Alternation {
     }
 }
 
-/// What a picture is of.
+/// Subject of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Subject {
     /// What the worker drew for a slot.

@@ -1,4 +1,4 @@
-//! From gestures and keys to cameras and suns. All pictures show one scene: they move together.
+//! Moves camera and sun by gestures and keys. All pictures show one scene: they move together.
 
 use crate::live::Where;
 use crate::scene::ImageSize;
@@ -8,18 +8,18 @@ use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Response};
 
 /// Speed with Shift.
 const FASTER: f64 = 5.0;
-/// Degrees that an orbit goes while the pointer crosses the picture's height.
+/// Degrees of an orbit while the pointer crosses the picture's height.
 const ORBIT_DEG: f64 = 180.0;
-/// Degrees that the sun goes meanwhile.
+/// Degrees that the sun moves for the same drag.
 const SUN_DEG: f64 = 90.0;
-/// Paces that a slide goes meanwhile.
+/// Paces that the camera slides for the same drag.
 const SLIDE_PACES: f64 = 4.0;
-/// Paces for a point of the wheel.
+/// Paces per point of the wheel.
 const WHEEL_PACES: f64 = 1.0 / 160.0;
-/// A frame that took longer does not fly farther, seconds.
+/// Longest frame time that counts for flying, seconds.
 const LONGEST_S: f32 = 0.25;
 
-/// Takes what was done on a picture that would fill `rect`.
+/// Handles input on a picture that would fill `rect`.
 pub fn act(app: &mut App, ui: &egui::Ui, response: &Response, rect: Rect) {
     if response.clicked() || response.drag_started() {
         response.request_focus();
@@ -84,7 +84,7 @@ fn drag(app: &mut App, ui: &egui::Ui, response: &Response, rect: Rect) {
         let slide_m = SLIDE_PACES * scene.pace_m();
         scene.camera = scene.camera.moved([-x * slide_m, y * slide_m, 0.0]);
     } else {
-        // What is under the pointer stays there.
+        // The direction under the pointer stays there.
         let fov_deg = scene.camera.fov_y_deg;
         scene.camera = scene.camera.turned(-x * fov_deg, y * fov_deg);
     }

@@ -11,10 +11,10 @@ use eframe::egui::{self, Color32, Rect, Role, Sense, Stroke, pos2, vec2};
 const CAPTION: f32 = 20.0;
 /// Arm of the cross at a probed pixel, points.
 const ARM: f32 = 6.0;
-/// What is smaller is not drawn, points.
+/// Smaller pictures are not drawn, points.
 const LEAST: f32 = 2.0;
 
-/// Is there room for anything?
+/// Whether there is room for a picture.
 pub fn has_room(area: Rect) -> bool {
     area.is_finite() && area.width() >= LEAST && area.height() >= LEAST
 }

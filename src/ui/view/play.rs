@@ -1,23 +1,23 @@
-//! Time that goes by: the sun of a day, an hour a second.
+//! Plays the sun of a day, one hour a second.
 
 use crate::ui::app::App;
 use eframe::egui;
 
-/// What playing remembers.
+/// State of playing.
 #[derive(Clone, Copy, Debug)]
 pub struct Play {
     /// When the sun moved last, seconds of the window's clock.
     since_s: f64,
 }
 
-/// Hours of the day in a second.
+/// Hours of the day in a second of the window's clock.
 const HOURS_A_SECOND: f64 = 1.0;
-/// The sun moves at most this far from picture to picture, hours.
+/// Largest move of the sun from picture to picture, hours.
 const LONGEST_H: f64 = 0.5;
-/// And at least this far: a window can be drawn more often than there is something to see.
+/// Smallest move, hours: smaller ones are not visible.
 const SHORTEST_H: f64 = 1.0 / 60.0;
 
-/// What the button says of itself.
+/// Help text of the button.
 pub const EXPLAINED: &str = "The sun turns about the horizontal axis +z, 15° an hour, an hour a second, and jumps from \
      sunset to sunrise. It waits for the first picture of every place, and moves half an hour at most between two.";
 
