@@ -57,7 +57,7 @@ impl Diff {
     }
 }
 
-/// What was decided on reading the two pictures, and where their corners came to lie on each other.
+/// Notes on how the two pictures were read and aligned.
 fn notes(reference: &PictureFile, test: &PictureFile) -> Vec<String> {
     let mut notes = reference.notes.clone();
     notes.extend(

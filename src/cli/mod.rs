@@ -93,8 +93,8 @@ enum BackendName {
 }
 
 impl DeviceArgs {
-    /// Opens what the options ask for. One line on stderr says what renders; that it is not a device is said even when
-    /// quiet and not asked for.
+    /// Opens the requested backend. One line on stderr says which one renders, even when quiet where it is the oracle
+    /// without having been asked for.
     fn open(&self) -> occlab::Result<Backend> {
         let choice = match self.backend {
             BackendName::Auto => Choice::Auto,
@@ -172,7 +172,7 @@ fn say(text: impl std::fmt::Display) -> std::io::Result<()> {
     writeln!(std::io::stdout().lock(), "{text}")
 }
 
-/// `occlab methods | head` is no error.
+/// Whether the reader of stdout has closed it, as in `occlab methods | head`: no error.
 fn reader_left(error: &anyhow::Error) -> bool {
     let broken = |e: &std::io::Error| e.kind() == std::io::ErrorKind::BrokenPipe;
     error.downcast_ref().is_some_and(broken)

@@ -64,7 +64,7 @@ impl ProbeArgs {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// Refuses what no scene can have, before the scene's clouds are made.
+    /// Refuses positions that no scene can have, before the scene's clouds are made.
     fn check(&self, width: u32, height: u32) -> occlab::Result<()> {
         if let Some([x, y]) = self.pixel
             && (x >= width || y >= height)

@@ -71,7 +71,7 @@ impl SceneOptions {
         Ok(scene)
     }
 
-    /// A problem at the option that gave the value, else in the file.
+    /// Attributes a problem to the option that gave the value, else to the file.
     fn blame(&self, problem: Problem, path: &Path) -> Error {
         let option = match problem.pointer.as_str() {
             "/sun/elevation_deg" if self.sun_elevation.is_some() => "--sun-elevation",

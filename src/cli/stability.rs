@@ -143,7 +143,7 @@ fn summarise(sweep: &Sweep) {
     eprintln!("{} cases, {:.1} s", sweep.cases.len(), sweep.wall_s);
 }
 
-/// Numbers next to 0 keep their digits.
+/// Numbers near 0 are written as powers of ten.
 fn digits(value: Option<f64>, plain: &dyn Fn(Option<f64>) -> String) -> String {
     match value {
         Some(v) if v != 0.0 && v.abs() < 1e-3 => format!("{v:.4e}"),
