@@ -1,4 +1,4 @@
-//! The floors of `src/ARCHITECTURE.md` against what the sources import.
+//! Checks that the sources import in the direction of the floors in `src/ARCHITECTURE.md`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -40,7 +40,7 @@ fn files(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// What is compiled outside tests: without comments and what follows a test module's attribute.
+/// Code that is compiled outside tests: without comments and without what follows a test module's attribute.
 fn code(text: &str) -> String {
     let compiled = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
     let lines = compiled
@@ -90,7 +90,7 @@ fn named(code: &str, root: &str) -> Vec<String> {
 fn against(floors: &BTreeMap<String, usize>, module: &str, imports: &[String]) -> Vec<String> {
     let own = floors.get(module);
     let wrong = |import: &&String| {
-        // What is no module is something that the crate exports from one.
+        // A name that is no module is exported from one, and not checked.
         let other = floors.get(import.as_str());
         import.as_str() != module && other.is_some_and(|other| Some(other) >= own)
     };
@@ -98,7 +98,7 @@ fn against(floors: &BTreeMap<String, usize>, module: &str, imports: &[String]) -
     found.map(|import| format!("{module}: {import}")).collect()
 }
 
-/// Folders of the crates below `source()`, each with its crate's name; the one on top has the folder itself.
+/// Folders of the crates below `source()`, each with its crate's name; the top crate has `source()` itself.
 fn crates() -> Vec<(String, PathBuf)> {
     let entries = fs::read_dir(source()).expect("src");
     let paths = entries.map(|entry| entry.expect("entry").path());
@@ -163,7 +163,7 @@ fn every_module_stands_on_a_floor_and_every_floor_holds_modules_that_exist() {
     assert_eq!(listed, found);
 }
 
-/// What the compiler keeps only if no part names another than the one below.
+/// The compiler enforces the floors between crates only if each names no crate of the project but the one below it.
 #[test]
 fn each_crate_names_the_one_below_alone() {
     let list = fs::read_to_string(source().join("ARCHITECTURE.md")).expect("architecture");

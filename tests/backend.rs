@@ -1,4 +1,4 @@
-//! The oracle as a backend: the program where no adapter exists, without any.
+//! The oracle as a backend, and the program where there is no adapter.
 
 #[macro_use]
 mod common;

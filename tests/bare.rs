@@ -1,4 +1,4 @@
-//! The program where nothing but the program is: an empty folder, an environment without a desktop.
+//! The program in an empty folder, with an environment without a desktop.
 
 #[macro_use]
 mod common;

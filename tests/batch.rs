@@ -1,5 +1,4 @@
-//! What a batch must survive and must not lose: a damaged cache, a full disk, an interruption; and what its numbers must
-//! be where they are known beforehand.
+//! Batches with a damaged cache, on a full disk and after an interruption; and numbers that are known beforehand.
 
 #[macro_use]
 mod common;

@@ -16,7 +16,7 @@ fn keys() -> Vec<String> {
     keys.collect()
 }
 
-/// Rust, WGSL and study files, and the tour of the house.
+/// Rust, WGSL and JSON files below `path`, or `path` itself.
 fn files(path: &Path) -> Vec<PathBuf> {
     let kinds = ["rs", "wgsl", "json"];
     match fs::read_dir(path) {

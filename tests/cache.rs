@@ -1,4 +1,4 @@
-//! The folder of truths and the commit in a record, as a user meets them.
+//! The folder of truths and the commit in a record, from the command line.
 
 #[path = "common/program.rs"]
 mod program;

@@ -329,7 +329,7 @@ fn a_value_of_the_command_line_is_answered_by_the_name_of_its_option() {
         refused(&output, words);
         assert!(!stderr(&output).contains("slab.json"), "{words:?}");
     }
-    // The volume is absent: what comes before is the note, and the order of the parameters is no matter.
+    // The note comes before the error that the volume is absent; the order of the parameters does not matter.
     let idle = render(&["-m", "srm", "--set", "reach_m=300", "spacing=uniform"]);
     let note = "note: `reach_m` has no effect: it applies where spacing = uniform_reach";
     assert!(stderr(&idle).contains(note), "{}", stderr(&idle));

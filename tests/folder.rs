@@ -1,5 +1,4 @@
-//! What a report folder belongs to: one run at a time; one content of every file; and that a report alone is enough to
-//! measure its cells again.
+//! Report folders: one run at a time, one content of every file, and a report suffices to measure its cells again.
 
 #[macro_use]
 mod common;
@@ -117,7 +116,7 @@ fn a_batch_that_is_stopped_or_fails_frees_its_folder() {
     assert!(!out.join("batch.lock").exists());
 }
 
-/// A volume of one density but for a hole, whatever its time of modification.
+/// A volume of one density except for a hole, whatever its time of modification.
 fn write_volume(folder: &Path, density: f32) {
     common::write_cube(folder, 4, |x, y, _| match (x, y) {
         (1, 1) => 0.0,
@@ -285,7 +284,7 @@ fn a_report_is_measured_again_from_itself_alone() {
         stderr(&plan)
     );
 
-    // The whole place moves, and the report is named by its file.
+    // The report and its volume move, and the report is given by its file.
     let moved = tempfile::tempdir().unwrap();
     for name in ["out", "cube.npy"] {
         std::fs::rename(folder.path().join(name), moved.path().join(name)).unwrap();

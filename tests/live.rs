@@ -340,7 +340,7 @@ fn maps_and_probes_are_sent_on_request() {
     request.map_of = Some(1);
     request.methods[1] = common::setup("bsm", "resolution=64");
     for serial in [1, 2] {
-        // The second time the picture is known, the map is not kept.
+        // On the second request the picture is known, but the map is not kept.
         request.serial = serial;
         let updates = served(&live, &request);
         let texels = updates.iter().find_map(|u| match u {

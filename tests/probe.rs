@@ -24,7 +24,7 @@ fn probe(folder: &Path, options: &[&str]) -> Output {
         .unwrap()
 }
 
-/// Columns of the table by name; marks as they stand.
+/// Columns of the table by name, and the marks as text.
 fn table(path: &Path) -> (BTreeMap<String, Vec<f64>>, Vec<String>) {
     let text = std::fs::read_to_string(path).unwrap();
     let mut lines = text.lines();

@@ -1,4 +1,4 @@
-//! The extremes: stable forms hold where published ones end. All but one test run on the oracle alone.
+//! Stability sweep: stable forms hold where published ones fail. All but one test run on the oracle alone.
 
 #[macro_use]
 mod common;
@@ -20,7 +20,7 @@ fn shipped(folder: &Path) -> Stability {
     load_stability(Path::new(CONFIG), folder, &Methods).unwrap()
 }
 
-/// Runs on the oracle; also says how many cases were found, and how many were measured.
+/// Runs on the oracle; also returns how many cases were found, and how many were measured.
 fn on_oracle(stability: &Stability, folder: &Path) -> (Sweep, usize, usize) {
     let (mut found, mut measured) = (0, 0);
     let sweep = run(stability, Profile::Quick, None, folder, &mut |event| {
@@ -69,7 +69,7 @@ fn stable_forms_hold_at_every_extreme() {
     assert!(sweep.defects().is_empty());
     let refused = sweep.cases.iter().filter(|case| case.refused.is_some());
     assert_eq!(refused.count(), 2, "|g| > 0.999");
-    // Negative control: what is kept to show where it fails does fail.
+    // Negative control: a form that is kept to show where it fails does fail.
     let broken = |group: &str, name: &str, method: &str, storage: &str| {
         let case = sweep
             .cases
@@ -109,7 +109,7 @@ fn a_sweep_goes_on_where_it_was() {
     std::fs::write(record(1), "{\"id\": \"half").unwrap();
     let (_, found, measured) = on_oracle(&stability, folder.path());
     assert_eq!((found, measured), (1, 2));
-    // Another extreme is another record.
+    // Another extreme gives another record.
     stability.extremes[2].image = size(3, 3);
     let (_, found, measured) = on_oracle(&stability, folder.path());
     assert_eq!((found, measured), (2, 1));

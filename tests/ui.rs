@@ -105,7 +105,7 @@ fn a_parameter_can_be_changed_undone_and_done_again() {
     settle(&mut window);
     let steps = |window: &Window| method_a(window).params.get("steps");
     let before = steps(&window).unwrap();
-    // The undoer takes a state that lasted a second of the harness's clock.
+    // Undo takes a state that has lasted a second of the harness's clock.
     window.run_steps(8);
     set_number(&mut window, "steps", 3.0);
     assert_eq!(steps(&window), Some(ParamValue::Int(3)));

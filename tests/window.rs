@@ -25,9 +25,9 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 use window::{drop_down, entries, picture_rect, settle, tiny_state, window_of};
 
-/// Of 255, over the picture.
+/// Largest mean absolute difference over the picture, of 255.
 const MEAN: f64 = 2.0;
-/// Pixels that are within [`NEAR`] of 255 in every channel.
+/// Least share of pixels that are within [`NEAR`] of 255 in every channel.
 const SHARE: f64 = 0.99;
 const NEAR: u8 = 8;
 const SIZE: [u16; 2] = [1280, 720];

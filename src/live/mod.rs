@@ -113,7 +113,7 @@ impl Drop for Live {
     fn drop(&mut self) {
         self.mailbox.stop();
         if let Some(worker) = self.worker.take() {
-            // A panic of the worker was printed on stderr; its thread has ended already.
+            // A panic of the worker was printed on stderr; nothing is left to end.
             let _ = worker.join();
         }
     }

@@ -102,7 +102,7 @@ impl App {
         })
     }
 
-    /// [`Self::new`] whose `ending` receives the error that closes the window.
+    /// The content, with `ending` to receive the error that closes the window.
     pub(super) fn ending_in(self, ending: Arc<Mutex<Option<String>>>) -> Self {
         Self { ending, ..self }
     }

@@ -1,4 +1,4 @@
-//! Device pictures against the oracle's: how near they are, over the nearest of what a device may do.
+//! Agreement of device pictures with the oracle's: the smallest error over the number formats a device may use.
 
 use super::{box_scene, cube_density, hashed, relative_rmse, with_map, write_cube};
 use occlab::frame::Frame;
@@ -17,7 +17,7 @@ pub fn small(id: &str, params: &str) -> MethodSetup {
     with_map(id, "resolution=128 steps=64", params)
 }
 
-/// What a device may make of stored values.
+/// Roundings of stored values that a device may use.
 pub fn roundings(setup: &MethodSetup) -> Vec<Rounding> {
     let nearest = Rounding {
         storage: setup.stored_format().unwrap().unwrap_or(FloatFormat::F32),
@@ -44,7 +44,7 @@ pub fn error(device: &Frame, oracle: &Frame, of: fn(&Frame) -> &[[f32; 4]]) -> f
     relative_rmse(channels(device, of).zip(channels(oracle, of)))
 }
 
-/// Relative RMSE of sunlight, over the nearest of what the device may do.
+/// Relative RMSE of sunlight, the smallest over the oracles and the roundings that the device may use.
 pub fn agreement(device: &Frame, oracles: &[Oracle], setup: &MethodSetup) -> f64 {
     let mut best = f64::INFINITY;
     for oracle in oracles {
@@ -60,7 +60,7 @@ pub fn agreement(device: &Frame, oracles: &[Oracle], setup: &MethodSetup) -> f64
     best
 }
 
-/// Seen with an oblique sun from outside, a box in full view.
+/// Changes the scene to a view from outside, a box in full view, under an oblique sun.
 fn outside(scene: &mut Scene) {
     (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (35.0, 130.0);
     scene.camera.position_m = [-500.0, 900.0, -1400.0];

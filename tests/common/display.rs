@@ -1,4 +1,4 @@
-//! An X server of the test's own, its mouse and its screen.
+//! An X server for a test, with its mouse and its screen.
 
 use eframe::egui::Pos2;
 use image::RgbImage;
@@ -31,7 +31,7 @@ impl Drop for Child {
     }
 }
 
-/// See the module.
+/// A running X server; it ends when this is dropped.
 pub struct Display {
     name: String,
     connection: RustConnection,
@@ -67,7 +67,7 @@ impl Display {
         &self.name
     }
 
-    /// What the screen shows.
+    /// A screenshot of the whole screen.
     pub fn screenshot(&self) -> RgbImage {
         let screen = &self.connection.setup().roots[0];
         let (width, height) = (screen.width_in_pixels, screen.height_in_pixels);

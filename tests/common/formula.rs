@@ -1,10 +1,10 @@
-//! Methods asked along a way whose extinction is a formula.
+//! Methods along a light ray whose extinction is a formula.
 
 use occlab::occlusion::MethodSetup;
 use occlab::occlusion::rounding::Rounding;
 use occlab::occlusion::twin::{Column, LightRay, LookUp, Twin};
 
-/// A way made of a formula.
+/// A light ray whose extinction is a formula.
 pub struct Formula<F> {
     pub length_m: f64,
     pub extinction_per_m: F,

@@ -190,7 +190,7 @@ pub fn relative_rmse(pairs: impl IntoIterator<Item = (f64, f64)>) -> f64 {
     (error / norm).sqrt()
 }
 
-/// Red of every pixel beside red of every other.
+/// Red of every pixel of `a` with that of `b`.
 pub fn reds<'a>(a: &'a Frame, b: &'a Frame) -> impl Iterator<Item = (f64, f64)> + 'a {
     a.radiance
         .iter()

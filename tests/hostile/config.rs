@@ -1,4 +1,4 @@
-//! Scenes and experiments.
+//! Damaged scene and experiment files.
 
 use super::damage::{cases, changed, changes, damaged, edits, json, text};
 use super::is_one_paragraph;
@@ -53,7 +53,7 @@ impl Folder {
     }
 }
 
-/// A scene that was accepted satisfies its own checks, and what is computed of it is finite, on the device too.
+/// A scene that was accepted satisfies its own checks, and all values derived from it are finite, on the device too.
 fn is_usable(scene: &Scene) {
     assert_eq!(scene.validate(), Ok(()));
     let (right, up, forward) = scene.camera.basis();
@@ -127,7 +127,7 @@ fn experiment_holds(folder: &Folder, text: impl AsRef<[u8]>) {
             matrix.views.iter().for_each(|view| is_usable(&view.scene));
             assert!(describe(&matrix).lines().count() > matrix.cell_count());
         }
-        // The file is the experiment or a scene that it names, wherever that leads.
+        // The message names the experiment or a scene that it refers to, at whatever path.
         Err(error) => {
             let message = error.to_string();
             let folder = folder.0.path();
@@ -136,7 +136,7 @@ fn experiment_holds(folder: &Folder, text: impl AsRef<[u8]>) {
     }
 }
 
-/// Bytes that look like JSON for a while.
+/// Bytes that begin like JSON.
 fn almost_json() -> impl Strategy<Value = Vec<u8>> {
     let tokens = [
         "{", "}", "[", "]", ",", ":", "\"", "\\", "\"a\"", "\"name\"", "1", "-", "1e999", "NaN",

@@ -7,7 +7,7 @@ use proptest::sample::{Index, select};
 use proptest::test_runner::Config;
 use serde_json::{Map, Number, Value};
 
-/// Cases from `PROPTEST_CASES`, else 256. Failures print their input; what they find becomes a test of its own.
+/// Cases from `PROPTEST_CASES`, else 256. Failures print their input, from which a test of its own is then made.
 pub fn cases() -> Config {
     Config {
         failure_persistence: None,

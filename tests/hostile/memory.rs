@@ -1,5 +1,4 @@
-//! The same readers with little memory: an allocation that a header asks for and its file cannot fill would end the
-//! process.
+//! Readers with little memory: an allocation that a header asks for and its file cannot fill would end the process.
 #![cfg(target_os = "linux")]
 
 use std::path::{Path, PathBuf};

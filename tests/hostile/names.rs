@@ -1,4 +1,4 @@
-//! Names that want out: of the report folder, of the page, of a chart, of a line.
+//! Names that could escape from the report folder, the page, a chart or a line.
 
 use super::records::{files, is_inert, report};
 use occlab::batch::record::Report;

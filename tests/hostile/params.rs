@@ -12,7 +12,7 @@ fn specs() -> Vec<&'static ParamSpec> {
     REGISTRY.iter().flat_map(|m| m.info().specs()).collect()
 }
 
-/// Text of a value as somebody may type it.
+/// Text of a value as a user may type it.
 fn typed() -> impl Strategy<Value = String> {
     prop_oneof![
         3 => text(),

@@ -1,4 +1,4 @@
-//! EXR and PNG.
+//! Damaged EXR and PNG files.
 
 use super::damage::{WORDS, cases, damaged, edits};
 use super::is_one_paragraph;
@@ -180,7 +180,7 @@ fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     .concat()
 }
 
-/// A PNG whose header says what it likes.
+/// A PNG with an arbitrary header.
 fn png(width: u32, height: u32, rest: [u8; 5], data: &[u8]) -> Vec<u8> {
     let header = [&width.to_be_bytes()[..], &height.to_be_bytes(), &rest].concat();
     let parts = [

@@ -1,4 +1,4 @@
-//! `report.json`.
+//! Damaged `report.json` files.
 
 use super::damage::{cases, changed, changes, damaged, edits, json, text};
 use super::is_one_paragraph;
@@ -32,7 +32,7 @@ pub fn files(folder: &Path) -> BTreeSet<PathBuf> {
     out
 }
 
-/// What a record says becomes a page, tables and charts inside its folder, or is refused.
+/// A record becomes a page, tables and charts inside its folder, or is refused.
 pub fn holds(bytes: &[u8]) {
     let outside = tempfile::tempdir().unwrap();
     let folder = outside.path().join("report");
@@ -62,7 +62,7 @@ pub fn holds(bytes: &[u8]) {
     }
 }
 
-/// The page has its own script and nothing that asks for anything outside or came in as markup.
+/// The page contains its own script, loads nothing from outside, and has no markup from the record.
 pub fn is_inert(html: &str) {
     assert_eq!(html.matches("<script").count(), 1, "a name became a script");
     for bad in [

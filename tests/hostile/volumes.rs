@@ -1,4 +1,4 @@
-//! `.npy` and `.npz` volumes.
+//! Damaged `.npy` and `.npz` volumes.
 
 use super::damage::{cases, damaged, edits};
 use super::is_one_paragraph;
@@ -140,7 +140,7 @@ fn npz(arrays: &[(&str, &[u8])], deflate: bool) -> Vec<u8> {
     bytes
 }
 
-/// What the value of array index `[a][b][c]` is made of.
+/// Value 0…255 at array index `[a][b][c]`, before conversion to a stored type.
 fn value_at([a, b, c]: [u32; 3], seed: u32) -> u32 {
     let mixed = (a * 36 + b * 6 + c).wrapping_mul(2_654_435_761);
     mixed.wrapping_add(seed) >> 24
@@ -166,7 +166,7 @@ fn data_in_order(
     data
 }
 
-/// Header dictionaries between right and wrong.
+/// Header dictionaries, valid and invalid.
 fn headers() -> impl Strategy<Value = String> {
     let number = prop_oneof![
         4 => (0_u64..5).prop_map(|n| n.to_string()),

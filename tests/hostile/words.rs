@@ -1,4 +1,4 @@
-//! The words of messages about files that people write: those of JSON and of the files, not of the program's language.
+//! Messages about files that people write use the words of JSON and of the files, not those of the program's language.
 
 use super::damage::{cases, changed, changes};
 use occlab::config::{expand, parse_experiment, parse_stability, parse_study};
@@ -65,12 +65,12 @@ fn foreign(message: &str) -> Option<String> {
     found.map(str::to_owned)
 }
 
-/// A kind of file: its name, one that is good, and what its reader says of a text.
+/// A kind of file: its path, a valid one, and its reader.
 struct Kind {
     file: PathBuf,
     good: Value,
     read: fn(&Path, String) -> occlab::Result<()>,
-    /// Of the ways to spoil a place, every which one is tried: large files have many like places.
+    /// Of the ways to damage a place, one in `every` is tried: large files have many similar places.
     every: usize,
 }
 
@@ -198,7 +198,7 @@ fn wrong_values() -> Vec<Value> {
     ]
 }
 
-/// The good file with one place changed in every way: another value, an unknown name beside, the place left out.
+/// The valid file with one place changed in every way: another value, an unknown name beside, the place left out.
 fn spoilt(good: &Value, place: &str) -> Vec<Value> {
     let mut all = Vec::new();
     let mut add = |change: &dyn Fn(&mut Value)| {

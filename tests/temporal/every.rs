@@ -1,4 +1,4 @@
-//! What every registered reconstruction must keep, on a device and in f64.
+//! Properties that every registered reconstruction must have, on a device and in f64.
 
 use super::common::{self, setup, size};
 use super::sequence::{bits, blobs, flight, on_device, on_oracle};
@@ -123,7 +123,7 @@ fn the_frames_of_a_pattern_take_the_samples_of_its_pixels_and_no_others() {
                 let counts = twin.render(&method, &mut unwatched).unwrap();
                 twin_sum += counts.samples.view;
             }
-            // A pixel keeps its counter until it is marched again: these are those of all frames.
+            // A pixel keeps its counter until it is marched again: the sum is over all frames.
             let sum = counting.counts(&renderer.gpu).unwrap().samples.view;
             for (sum, full) in [(sum, full), (twin_sum, twin_full.samples.view)] {
                 assert!(sum > 0 && sum <= full, "{id}: {sum} of {full}");

@@ -1,5 +1,5 @@
-//! Reconstructed pictures: what all of them must keep; of temporal integration nothing at rest, reprojection on the move, the
-//! device against its f64 twin; the records.
+//! Reconstructed pictures: properties of all reconstructions; temporal integration at rest, its reprojection in motion,
+//! and the device against its f64 twin; the records.
 
 #[macro_use]
 #[path = "../common/mod.rs"]

@@ -1,4 +1,4 @@
-//! Pictures at rest and on the move, and the shader that marches them.
+//! Pictures at rest and in motion, and the shader that marches them.
 
 use super::common::{self, setup, size};
 use super::sequence::{bits, blobs, on_device, on_oracle, temporal};
@@ -7,7 +7,7 @@ use occlab::metrics::ghosting;
 use occlab::occlusion::REGISTRY;
 use occlab::scene::{CameraTrack, Scene};
 
-/// What the same frames would be if history stayed where it was on the screen.
+/// The same frames without reprojection: history stays at its pixels.
 fn without_reprojection(full: &[Frame]) -> Vec<Frame> {
     let pattern = temporal().info().pattern;
     let mut picture = full[0].clone();
@@ -80,7 +80,7 @@ fn reprojection_beats_a_history_that_stays_on_the_screen() {
     let folder = tempfile::tempdir().unwrap();
     let scene = blobs(folder.path(), false);
     let image = size(96, 64);
-    // One depth a ray cannot follow both sides of a translucent cloud past which the camera moves.
+    // One depth per ray cannot reproject both sides of a translucent cloud past which the camera moves.
     for (track, most) in [(CameraTrack::Pan, 0.12), (CameraTrack::Dolly, 0.25)] {
         let along = (0..12).map(|n| track.scene(&scene, image, n));
         let scenes: Vec<Scene> = along.collect();

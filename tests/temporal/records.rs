@@ -49,7 +49,7 @@ fn check_records(arguments: &[&str]) {
                 && 3 * view(full) < 16 * view(temporal)
         );
         let map = |cell: &Value| cell["samples"]["map"].as_u64().unwrap();
-        // A device fills the map in every frame; the oracle the texels that are looked up.
+        // A device fills the map in every frame; the oracle only the texels that are looked up.
         let whole = arguments == ["--backend", "gpu"];
         assert!(map(temporal) == map(full) || !whole && map(temporal) <= map(full));
         let numbers = &temporal["reconstruction"];

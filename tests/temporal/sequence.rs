@@ -1,4 +1,4 @@
-//! Scenes on the move, and frames of them.
+//! Moving scenes, and sequences of their frames.
 
 use super::common::{self, box_scene};
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! The device against its f64 twin, on a camera that moves.
+//! The device against its f64 twin, with a moving camera.
 
 use super::common::{self, relative_rmse, setup, size};
 use super::sequence::{blobs, flight, on_device, on_oracle, temporal, turned};
@@ -76,7 +76,7 @@ fn and_integrated_as_the_thesis_prints_it() {
     });
 }
 
-/// Fast enough that near and far part by several pixels a frame, and history shows something else.
+/// So fast that near and far cloud part by several pixels a frame, and history shows something else.
 #[test]
 fn history_of_something_else_serves_neither() {
     needs_adapter!();

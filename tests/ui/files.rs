@@ -54,7 +54,7 @@ fn a_saved_state_comes_back_and_a_batch_reads_it() {
     type_path(&mut window, &path);
     assert_eq!(window.state().state(), &state);
 
-    // A file that is none leaves everything as it is, and is said.
+    // A file that cannot be read as a state changes nothing and gives a message.
     std::fs::write(&path, "{").unwrap();
     window.state_mut().ask_for_typed_path(Purpose::Open);
     type_path(&mut window, &path);
@@ -126,7 +126,7 @@ fn the_window_opens_where_it_was_left() {
     assert_eq!((named.state(), named.mode()), (&other, Mode::Difference));
     drop(named);
 
-    // What was named and only looked at is where the next window goes on.
+    // A state that was asked for and not changed is where the next window resumes.
     let shown = Some(other.clone());
     let mut window = window_of([640.0, 360.0], Theme::Dark, None, |live, name| {
         App::remembering(live, name, shown, Some(file.clone()), Instant::now()).unwrap()

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 /// Share of pixels that may differ by more than [`NOISE`]: adapters blend the edges of glyphs in their own way.
 const TOLERANCE: f64 = 2e-3;
-/// Of 255, in any channel.
+/// Largest difference of a channel, of 255, that counts as noise.
 const NOISE: u8 = 24;
 const HOW_TO_BLESS: &str =
     "run `OCCLAB_BLESS=1 cargo test --release --test ui` and look at the new file";
