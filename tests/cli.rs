@@ -186,7 +186,7 @@ fn render_and_diff_measure_what_a_method_loses() {
     refused(&bad.unwrap(), &["stops", "steps"]);
 }
 
-/// An EXR of 6 × 4 pixels whose channels have one value each, stored from `corner` on in a picture that begins at (0, 0).
+/// An EXR of 6 × 4 pixels, one value per channel, stored from `corner` on in a picture that begins at (0, 0).
 fn exr_file(path: &Path, corner: (i32, i32), channels: &[(&str, f32)]) {
     use exr::prelude::*;
     let channel =

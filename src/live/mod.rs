@@ -59,8 +59,8 @@ pub struct Live {
 }
 
 impl Live {
-    /// Starts a worker on `gpu`. `wake` is called from other threads after every update; shaders are read from `shaders`,
-    /// where given, and read again when they change.
+    /// Starts a worker on `gpu`. `wake` is called from other threads after every update; shaders are read from
+    /// `shaders`, where given, and read again when they change.
     pub fn start(
         gpu: Gpu,
         shaders: Option<PathBuf>,

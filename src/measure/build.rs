@@ -45,8 +45,8 @@ pub const NOT_IN_TRUTHS: [(&str, &str); 3] = [
     ("base/metrics", "compares pictures that are finished"),
 ];
 
-/// Crates that the packages below `src` name and that compute nothing which is recorded: errors, text, files and hashes; terminal,
-/// window and pages; tests. Every other one counts with its version.
+/// Crates that the packages below `src` name and that compute nothing that is recorded: errors, text, files and hashes;
+/// terminal, window and pages; tests. Every other one is hashed with its version.
 pub const CRATES_WITHOUT_NUMBERS: &str = "
     anyhow base64 blake3 csv directories jsonc-parser pollster schemars serde serde_json serde_path_to_error tempfile thiserror
     clap eframe egui_plot epaint_default_fonts indicatif maud plotters rfd
@@ -146,8 +146,8 @@ fn collect(folder: &Path, excluded: &[PathBuf], files: &mut Vec<PathBuf>) -> io:
     Ok(())
 }
 
-/// Name, version and source of the crates in a `Cargo.lock` that compute: those which `occlab` and its parts name, and the
-/// parts they come in (`wgpu-core` is a part of `wgpu`). All of it where `occlab` is not in it.
+/// Name, version and source of the crates in a `Cargo.lock` that compute: those that `occlab` and its parts name, and
+/// the parts these consist of (`wgpu-core` is a part of `wgpu`). The whole file where it does not contain `occlab`.
 pub fn computing_crates(lock: &str) -> String {
     let packages = || lock.split("[[package]]").skip(1);
     let name = |package: &str| {
@@ -225,8 +225,8 @@ impl Git<'_> {
     }
 }
 
-/// 12 digits of the commit, with `-dirty` where what is compiled in differs from it; `unknown` where git does not know, as
-/// in a source archive.
+/// 12 digits of the commit, with `-dirty` where what is compiled in differs from it; `unknown` where git does not know,
+/// as in a source archive.
 pub fn commit(git: &Git) -> String {
     let Some((hash, dirty)) = checked_out(git) else {
         return "unknown".to_owned();

@@ -35,7 +35,7 @@ pub struct MethodCurve {
     pub method: &'static str,
     /// T at each depth.
     pub transmittance: Vec<f64>,
-    /// For series in a map (`fom`), by depth: T has risen since the depth before, or −ln T exceeds the whole column's τ.
+    /// For a series in a map (`fom`), by depth: T has risen since the previous depth, or −ln T exceeds the column's τ.
     pub outside: Vec<bool>,
     /// For a method that stores a largest optical depth (`bsm`): index of the depth from which min(D_max, ·) holds T
     /// constant, where it sets in before the column ends.

@@ -1,8 +1,8 @@
 //! Provenance of this program, fixed when it is built (by `build.rs` beside it): the commit, and hashes of the sources.
 //! Two builds whose hashes agree compute the same numbers, whatever their commits.
 
-/// Commit of the sources, 12 hexadecimal digits, with `-dirty` where compiled-in files differed from it; `unknown` where
-/// the sources came without their history.
+/// Commit of the sources, 12 hexadecimal digits, with `-dirty` where compiled-in files differed from it; `unknown`
+/// where the sources came without their history.
 pub fn commit() -> &'static str {
     env!("OCCLAB_COMMIT")
 }

@@ -124,8 +124,8 @@ pub fn exact_settings(info: &MethodInfo, tau: f64) -> Vec<String> {
         .collect()
 }
 
-/// The method with `params`, and with `map` if it has one. Maps that are not read by texels have no `lookup`, those that
-/// hold no floats no `storage`.
+/// The method with `params`, and with `map` if it has one. Maps that are not read by texels have no `lookup`, those
+/// that hold no floats no `storage`.
 pub fn with_map(id: &str, map: &str, params: &str) -> MethodSetup {
     if !has_map(id) {
         return setup(id, params);

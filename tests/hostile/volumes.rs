@@ -324,7 +324,7 @@ proptest! {
         prop_assert!(is_one_paragraph(&message, &path), "{}", message);
     }
 
-    /// What NumPy would write comes back: each value at its place, in every type, byte order, axis order and kind of file.
+    /// What NumPy writes comes back: each value at its place, in every type, byte order, axis order and kind of file.
     #[test]
     fn good_files_come_back(
         stored in select(&STORED[..]), shape in prop::array::uniform3(1_u32..6), seed in any::<u32>(), up in 0_u8..3,

@@ -32,8 +32,8 @@ pub struct ClockRecord {
 }
 
 impl ClockRecord {
-    /// Least and largest change of the probe's time over the rounds, relative to the time at which it had settled: +0.05
-    /// means that the device had become slower by 5 %.
+    /// Least and largest change of the probe's time over the rounds, relative to the time at which it had settled:
+    /// +0.05 means that the device had become slower by 5 %.
     pub fn drift(&self) -> Option<[f64; 2]> {
         let changes = self.rounds_ms.iter().map(|ms| ms / self.settled_ms - 1.0);
         changes.fold(None, |range, change| match range {

@@ -77,8 +77,8 @@ impl Decomposer {
         }
     }
 
-    /// The errors of a cell of method `setup` with `picture`, relative to the backend's truth, and their signed luminance
-    /// images in the order model, sampling, precision.
+    /// The errors of a cell of method `setup` with `picture`, relative to the backend's truth, and their signed
+    /// luminance images in the order model, sampling, precision.
     pub fn measure(
         &mut self,
         setup: &MethodSetup,

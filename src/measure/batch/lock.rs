@@ -1,8 +1,8 @@
 //! One run at a time in a folder: `batch.lock` names the process that writes there.
 //!
 //! Two runs in one folder would measure every cell twice, each spoiling the other's times. The lock is a file that is
-//! created exclusively and appears with its whole content, by a rename or hard link that fails where the name exists. Local
-//! and network file systems promise that; advisory locks (`flock`) they do not, so none is used.
+//! created exclusively and appears with its whole content, by a rename or hard link that fails where the name exists.
+//! Local and network file systems guarantee that; they do not guarantee advisory locks (`flock`), so none is used.
 //!
 //! A run that was killed leaves its file behind. Whether its process still runs is asked of the operating system, and
 //! only where the answer is certain: on the same boot of the same machine, in the same process namespace, by process id

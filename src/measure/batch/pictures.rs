@@ -39,7 +39,7 @@ pub(super) fn write_compared(
     Ok(files)
 }
 
-/// Writes the parts of a cell's error as `images/NAME-PART.png` at the scale of its difference, and adds them to `files`.
+/// Writes the parts of a cell's error as `images/NAME-PART.png` at the scale of its difference; adds them to `files`.
 pub(super) fn write_parts(
     store: &Store,
     name: &str,

@@ -64,8 +64,8 @@ impl BatchPlan {
         })
     }
 
-    /// The cells of a report, from its file alone: each scene as it was resolved, every parameter as it was recorded. The
-    /// files that the scenes read must be those that were measured, at their places or beside the report.
+    /// The cells of a report, from its file alone: each scene as it was resolved, every parameter as it was recorded.
+    /// The files that the scenes read must be those that were measured, at their places or beside the report.
     pub fn of_report(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(Error::reading(path))?;
         let report = Report::parse(path, &text)?;

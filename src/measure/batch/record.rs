@@ -29,7 +29,7 @@ pub struct Report {
     pub sources: String,
     /// The experiment as it was read.
     pub experiment: Value,
-    /// The scenes that the cells show, each once: with them and the experiment's counts `occlab batch` measures a report
+    /// The scenes of the cells, each once: from them and the experiment's counts `occlab batch` measures a report
     /// again. Empty in reports of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scenes: Vec<SceneRecord>,
@@ -55,7 +55,7 @@ pub struct Report {
 pub struct SceneRecord {
     /// Key that cells name in `scene_id`.
     pub id: String,
-    /// The whole scene, values that the experiment sets and defaults included. Paths are relative to the report's folder.
+    /// The whole scene, with values that the experiment sets and defaults. Paths are relative to the report's folder.
     #[schemars(with = "crate::scene::Scene")]
     pub scene: Value,
 }
@@ -78,8 +78,8 @@ pub struct InputFile {
 pub struct WallClock {
     /// From start to report.
     pub total_s: f64,
-    /// Passes on the device: timed runs, discarded runs, warming up, truths, counting, floor, flicker and ghosting renders,
-    /// view-step checks.
+    /// Passes on the device: timed runs, discarded runs, warming up, truths, counting, floor, flicker and ghosting
+    /// renders, view-step checks.
     pub passes_s: f64,
     /// Shader composition and pipeline compilation.
     pub compile_s: f64,
@@ -198,8 +198,8 @@ pub struct Measured {
     /// median.
     #[serde(default = "one")]
     pub frames_in_flight: u32,
-    /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. `null` for a round
-    /// whose timestamps are invalid; empty without timestamps.
+    /// Total time of each round, ms, in round order: ratios between methods are taken inside a round. `null` for a
+    /// round whose timestamps are invalid; empty without timestamps.
     pub rounds_total_ms: Vec<Option<f64>>,
     /// Time of the map pass in each round, ms, in the same order. Empty without a map.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -239,8 +239,8 @@ pub struct Decomposition {
     pub model_rel_rmse: f64,
     /// The method in f64 at the cell's steps and texels, minus the same with ample ones.
     pub sampling_rel_rmse: f64,
-    /// The cell's picture minus the f64 one at the same settings: stored values, f32 arithmetic, and what is left of the
-    /// device's filtering of noise.
+    /// The cell's picture minus the f64 one at the same settings: stored values, f32 arithmetic, and what is left of
+    /// the device's filtering of noise.
     pub precision_rel_rmse: f64,
     /// Part of the precision error: rounding of stored map values alone, to nearest, all else in f64.
     pub storage_rel_rmse: f64,

@@ -40,7 +40,7 @@ pub fn settings() -> Vec<Setting> {
     out
 }
 
-/// The method of a row at an extreme; `None` when it lacks a parameter that the extreme is about, or one does not apply.
+/// The method of a row at an extreme; `None` where it lacks a parameter of the extreme, or one does not apply.
 pub fn setup(
     setting: &Setting,
     extreme: &Extreme,

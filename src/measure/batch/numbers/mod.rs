@@ -10,7 +10,7 @@ use super::record::{Clock, Measured};
 use crate::metrics::{ErrorNumbers, Format, Metric, Stats, arranged};
 use std::sync::LazyLock;
 
-/// What begins the names of numbers that only temporal integration has.
+/// Prefixes of the names of numbers that only cells with a reconstruction other than `full` have.
 pub const TEMPORAL: [&str; 2] = ["time_ms.reconstruct.", "reconstruction."];
 
 /// Where the page of a report shows a number. `cells.csv` and `report.json` have all of them.
@@ -98,7 +98,7 @@ impl CellNumber {
         Some(if self.negative { -value } else { value })
     }
 
-    /// Does only temporal integration have it?
+    /// Whether only cells with a reconstruction other than `full` have it.
     pub fn is_temporal(&self) -> bool {
         TEMPORAL.iter().any(|start| self.path.starts_with(start))
     }

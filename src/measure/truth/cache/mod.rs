@@ -1,10 +1,10 @@
 //! The folder of truths: each is rendered once and kept under a hash of everything that determines it, within a limit.
 //!
 //! Using a truth sets the time of its sheet (times of reading are not kept on many systems). When the folder holds more
-//! than its limit, those used longest ago are removed; the one just written stays, even where it alone is over the limit.
-//! Any number of processes may share the folder. One that reads a truth while another removes it finds a whole one or
-//! none, because a truth counts only with its sheet, which is written last and removed first. Files of other names are
-//! left alone.
+//! than its limit, those used longest ago are removed; the one just written stays, even where it alone is over the
+//! limit. Any number of processes may share the folder. One that reads a truth while another removes it finds a whole
+//! one or none, because a truth counts only with its sheet, which is written last and removed first. Files of other
+//! names are left alone.
 
 mod entry;
 mod limit;
