@@ -1,4 +1,4 @@
-//! Reports: charts, tables, pages, guides, studies.
+//! Output of measurements: reports with charts, tables and pages, and studies with their guides.
 //!
 //! Part of `occlab`, whose documentation starts with the architecture.
 

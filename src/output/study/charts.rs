@@ -1,4 +1,5 @@
-//! The study's charts: measured curves beside the published points, and what the cost models miss.
+//! Charts of a study: measured curves beside the published points, and ratios of predicted to measured times of the
+//! cost models.
 
 use super::Outcome;
 use super::cost_model::Cost;
@@ -11,9 +12,9 @@ use crate::report::charts::chart::{Chart, DASHED, Data, Look, Plane, Point, Poin
 use crate::report::format::ms;
 use crate::report::style::Style;
 
-/// How the names of the charts' files begin.
+/// Prefix of the charts' file names.
 pub const FIGURE: &str = "figure-";
-/// How those of the cost models' charts do.
+/// Prefix of the file names of the cost models' charts.
 pub const COST: &str = "cost-";
 
 /// A chart of the page.
@@ -26,11 +27,11 @@ pub struct Figure {
     pub figure: String,
     /// What it shows.
     pub title: String,
-    /// Experiment that its cells are from; empty for all.
+    /// Experiment that the cells are from; empty for all.
     pub experiment: String,
     /// Curves that could not be drawn, and why.
     pub missing: Vec<String>,
-    /// The picture; empty where nothing could be drawn.
+    /// SVG text; empty where nothing could be drawn.
     pub svg: String,
 }
 
@@ -55,7 +56,7 @@ pub fn all(study: &Study, records: &Records<'_>, outcome: &Outcome) -> Result<Ve
     Ok(figures)
 }
 
-/// The picture; empty where there is nothing to draw.
+/// SVG text of a chart; empty where there is nothing to draw.
 fn svg(chart: Option<&Chart>) -> Result<String> {
     let svg = chart.map(Chart::svg).transpose()?;
     Ok(svg.flatten().unwrap_or_default())
@@ -149,7 +150,7 @@ fn metric_words(metric: &str) -> &str {
     }
 }
 
-/// What 1 stands for, in ms where the whole chart has one view.
+/// Text on the unit of a relative chart: the series whose total is 1, with its time where the whole chart has one view.
 fn unit_of(spec: &ChartSpec, records: &Records<'_>) -> String {
     let Some(name) = &spec.relative_to else {
         return format!("Experiment `{}`", spec.experiment);
@@ -192,7 +193,7 @@ fn points(
     cells.collect()
 }
 
-/// A time over the total time of another series in the same view.
+/// Ratio of a number of a cell to the total time of `series` in the same view.
 pub(super) fn relative(
     records: &Records<'_>,
     found: &Found<'_>,
@@ -223,7 +224,7 @@ pub(super) fn relative(
     Ok(select::metric(found, metric)?.over(&unit)?.interval)
 }
 
-/// Predicted over measured time of every cell; `None` without a model.
+/// Chart of predicted ÷ measured time of every cell over its measured time; `None` without a model.
 fn residuals(spec: &CostChart, outcome: &Outcome) -> Option<Chart> {
     let model = outcome.cost_model.as_ref()?;
     let mut methods: Vec<&str> = model.cells.iter().map(|c| c.method.as_str()).collect();

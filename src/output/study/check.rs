@@ -1,5 +1,5 @@
-//! Whether everything a study asks for can be in its records, before hours are spent on them: every pick against the
-//! expanded matrices, every number by its name.
+//! Checks a study before its experiments run: every pick must match cells of the expanded matrices, every number must
+//! have a known name.
 
 use super::select;
 use crate::batch::numbers::{study_names, study_number};
@@ -9,7 +9,8 @@ use crate::config::{Evidence, Matrix, Pick, Quantity, Question, Study, Test, sug
 use crate::error::{Error, Result};
 use serde_json::{Map, Value};
 
-/// Refuses a study that asks for a cell or a number that its experiments cannot have; `matrices` in their order.
+/// Rejects a study that asks for a cell or a number that its experiments cannot have; `matrices` are in the order of
+/// the experiments.
 pub fn check(study: &Study, matrices: &[Matrix]) -> Result<()> {
     let cells = |matrix: &Matrix| {
         let views = matrix.views.iter();
@@ -26,7 +27,7 @@ pub fn check(study: &Study, matrices: &[Matrix]) -> Result<()> {
     planned.guide()
 }
 
-/// A study with the cells its experiments will have.
+/// A study with the planned cells of each experiment.
 struct Planned<'a> {
     study: &'a Study,
     cells: Vec<Vec<Cell>>,

@@ -11,24 +11,24 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// A defect and what was found of it.
+/// A defect of the source with the numbers that show it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ErratumFinding {
-    /// Where it stands.
+    /// Place in the source.
     pub place: String,
-    /// What is printed.
+    /// The printed text or formula.
     pub printed: String,
-    /// What is meant.
+    /// The intended text or formula.
     pub meant: String,
     /// The number in words, or why there is none.
     pub numbers: String,
-    /// Whether there is a number.
+    /// False where the number could not be measured.
     pub measured: bool,
-    /// Cells it comes from.
+    /// Cells that the number comes from.
     pub cells: Vec<CellLink>,
 }
 
-/// Measures a defect. Reports lie in `folder`/ID.
+/// Measures a defect. The report of experiment ID is in `folder`/ID.
 pub fn show(records: &Records<'_>, folder: &Path, erratum: &Erratum) -> ErratumFinding {
     let found = match &erratum.evidence {
         Evidence::Number {
@@ -90,10 +90,10 @@ fn as_printed<'a>(
     Ok((text, cells))
 }
 
-/// Share by which two errors may differ and still count as the same.
+/// Largest relative difference of two errors that count as equal.
 const SAME: f64 = 0.05;
 
-/// Two errors, and whether the misprint does harm.
+/// Text on two errors, as printed and as meant: their ratio, and whether the misprint increases the error.
 fn comparison(wrong: f64, right: f64) -> String {
     let factor = wrong / right;
     let harm = match factor {
@@ -109,7 +109,7 @@ fn comparison(wrong: f64, right: f64) -> String {
     )
 }
 
-/// Two truths against a third, by their pictures.
+/// Errors of two truths (as printed, as meant) against a third one of more view steps, from their EXR pictures.
 fn truths<'a>(
     records: &Records<'a>,
     folder: &Path,
@@ -127,7 +127,7 @@ fn truths<'a>(
     Ok((text, vec![a, b, c]))
 }
 
-/// The truth of the view that has these scene members, and the first of its cells.
+/// Truth picture of the view with these scene members, and the first cell of that view.
 fn truth<'a>(
     (experiment, report): (&'a str, &'a Report),
     folder: &Path,

@@ -1,4 +1,4 @@
-//! Made-up records for the tests of this folder.
+//! Synthetic records for the tests of this folder.
 
 use super::select::Records;
 use crate::batch::record::{Cell, Report};
@@ -32,7 +32,7 @@ impl FixtureReport {
         }
     }
 
-    /// Adds a cell with these rounds of its total time; the map pass takes half of it. All cells share a view.
+    /// Adds a cell with these total times per round, ms; the map pass takes half of each. All cells share a view.
     pub fn cell(&mut self, method: &str, params: Value, rounds: &[f64]) -> &mut Cell {
         let mut cell = crate::report::fixture::report().cells[8].clone();
         let report = &mut self.reports[0].1;
@@ -60,7 +60,7 @@ impl FixtureReport {
     }
 }
 
-/// Cells of a series in the experiment.
+/// Pick of a series' cells in the experiment `e`.
 pub fn pick(series: &str, at: Value) -> Pick {
     Pick {
         experiment: "e".to_owned(),
@@ -69,7 +69,7 @@ pub fn pick(series: &str, at: Value) -> Pick {
     }
 }
 
-/// A number of a cell with `steps`.
+/// Number `metric` of the series' cell with this many `steps`.
 pub fn quantity(metric: &str, series: &str, steps: u32) -> Quantity {
     Quantity {
         metric: metric.to_owned(),

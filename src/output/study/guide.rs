@@ -1,4 +1,5 @@
-//! Which method when: sentences from the records, each with the cells it rests on.
+//! The guide: which method is best for an error limit, a budget or a value of an axis, as sentences computed from the
+//! records, each with the cells it is computed from.
 
 use super::claims::CellLink;
 use super::interval::Interval;
@@ -13,7 +14,7 @@ use serde_json::Map;
 pub struct Sentence {
     /// The sentence.
     pub text: String,
-    /// Cells it rests on; none where it says that there are none.
+    /// Cells that the sentence is computed from; empty where it says that no cell fits.
     pub cells: Vec<CellLink>,
 }
 
@@ -22,13 +23,13 @@ pub struct Sentence {
 pub struct Answer {
     /// Heading.
     pub title: String,
-    /// What is compared.
+    /// Explanation of what is compared.
     pub words: String,
     /// Sentences in order.
     pub sentences: Vec<Sentence>,
 }
 
-/// Answers a question; what cannot be answered says why.
+/// Answers a question; a question that cannot be answered gets a sentence with the reason.
 pub fn answer(records: &Records<'_>, question: &Question) -> Answer {
     let (title, words, sentences) = match question {
         Question::Along {
@@ -86,7 +87,7 @@ fn picks(experiment: &str, series: &[String], at: &Map<String, serde_json::Value
     series.iter().map(pick).collect()
 }
 
-/// A competitor at one place.
+/// A setting with its value of the compared number, at one value of the axis or within one limit.
 #[derive(Clone)]
 struct Competitor<'a> {
     label: &'a str,
@@ -94,7 +95,7 @@ struct Competitor<'a> {
     value: Interval,
 }
 
-/// Settings that nothing clearly beats, best first, and the best of the others.
+/// Settings that no other surely beats (its whole interval is better), best median first, and the best of the others.
 struct Podium<'a> {
     leaders: Vec<Competitor<'a>>,
     next: Option<Competitor<'a>>,
@@ -144,7 +145,7 @@ impl Podium<'_> {
     }
 }
 
-/// The podium after `take`, or after `tied` where nobody leads alone.
+/// Text of the podium, preceded by `take` where one setting leads alone and by `tied` otherwise.
 fn advice(podium: &Podium<'_>, metric: &str, take: &str, tied: &str) -> String {
     let lead = if podium.leaders.len() == 1 {
         take
@@ -223,7 +224,7 @@ fn along_axis(
     Ok(stretches.iter().map(sentence).collect())
 }
 
-/// A value of an axis: counts without decimals.
+/// Text of an axis value; whole numbers from 10 on have no decimals.
 fn place(x: f64) -> String {
     if x.fract() == 0.0 && x.abs() >= 10.0 {
         return format!("{x}");
@@ -314,7 +315,7 @@ mod tests {
     #[test]
     fn nobody_leads_who_is_beaten_and_a_tie_behind_a_beaten_one_is_not_lost() {
         let mut made = FixtureReport::new(&["a", "b", "c"]);
-        // By medians a < b < c; b is slower than a in every round, c is not.
+        // The medians are a < b < c; b is slower than a in every round, c is not.
         made.cell("a", json!({}), &[10.0, 11.0, 12.0, 13.0, 30.0]);
         made.cell("b", json!({}), &[10.5, 11.5, 12.5, 13.5, 31.0]);
         made.cell("c", json!({}), &[20.0, 9.0, 14.0, 10.0, 40.0]);

@@ -1,10 +1,11 @@
-//! A number with the range its repeats leave open.
+//! Interval arithmetic on medians with order-statistics confidence intervals.
 
 use crate::metrics::summarise;
 use crate::report::format::number;
 use serde::Serialize;
 
-/// low ≤ value ≤ high: the median of repeats with a range that holds the true median, or arithmetic on such.
+/// low ≤ value ≤ high: a median of repeats with a confidence interval of the true median, or the result of interval
+/// arithmetic on such; in the unit of the number. Of the wall clock: minimum, median and 95th percentile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
     /// Smallest plausible value.
@@ -15,20 +16,20 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// Least probability that a range holds the true median, where there are repeats enough.
+/// Least probability that an interval contains the true median, where there are enough repeats.
 pub const CONFIDENCE: f64 = 0.93;
-/// Fewest repeats that tell a spread.
+/// Smallest number of repeats that an interval is computed from.
 const FEWEST: usize = 3;
 
 impl Interval {
-    /// Median of repeats with an order-statistics confidence interval: the narrowest pair of equal ranks from both ends that
-    /// holds the true median with a probability of at least 93 % (David & Nagaraja 2003, § 7.1); of 3 or 4 repeats
-    /// the extremes, which hold it with 75 and 88 %. A reason where fewer are given.
+    /// Median of repeats with an order-statistics confidence interval: the narrowest pair of equal ranks from both ends
+    /// that contains the true median with a probability of at least 93 % (David & Nagaraja 2003, § 7.1); for 3 or 4
+    /// repeats the extremes, which contain it with 75 and 88 %. The error says that there are fewer than 3.
     pub fn of_repeats(values: &[f64]) -> Result<Self, String> {
         Self::of_repeats_at(values, CONFIDENCE)
     }
 
-    /// The same for another probability; the extremes where the repeats are too few for it.
+    /// [`Self::of_repeats`] with the probability `confidence`, 0…1; the extremes where the repeats are too few for it.
     pub fn of_repeats_at(values: &[f64], confidence: f64) -> Result<Self, String> {
         let n = values.len();
         let stats = summarise(values).filter(|_| n >= FEWEST);
@@ -53,7 +54,7 @@ impl Interval {
         }
     }
 
-    /// Difference, each at its worst.
+    /// Difference by interval arithmetic.
     pub fn minus(self, other: Self) -> Self {
         Self {
             low: self.low - other.high,
@@ -62,7 +63,7 @@ impl Interval {
         }
     }
 
-    /// Quotient of a number by a positive one, each at its worst; a reason where the divisor may be 0.
+    /// Quotient by interval arithmetic; an error where the divisor's interval reaches 0 or less.
     pub fn over(self, other: Self) -> Result<Self, String> {
         if other.low <= 0.0 {
             return Err(format!("the divisor may be 0 ({other})"));

@@ -1,7 +1,8 @@
-//! Non-negative least squares of a few unknowns.
+//! Non-negative least squares with a few unknowns.
 
-/// x ≥ 0 that minimises |A x − b|² for rows A of equal length, at most a handful of columns: the best feasible solution
-/// over all sets of columns that are not 0, which is exact (the optimum's active set is one of them).
+/// x ≥ 0 that minimises |A x − b|², where `rows` are the rows of A, all of equal length. Solves the unconstrained
+/// problem for every subset of columns and takes the best solution that is feasible; exact, since one subset is the
+/// support of the optimum. Cost 2ⁿ for n columns.
 pub fn non_negative(rows: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     let columns = rows.first().map_or(0, Vec::len);
     let mut best = (b.iter().map(|v| v * v).sum::<f64>(), vec![0.0; columns]);
@@ -32,7 +33,8 @@ fn residual(rows: &[Vec<f64>], b: &[f64], x: &[f64]) -> f64 {
     squares.sum()
 }
 
-/// Normal equations of some columns by Gaussian elimination, columns scaled to length 1; `None` when they are dependent.
+/// Solves the normal equations of the columns `used` by Gaussian elimination, columns scaled to length 1; `None` when
+/// they are linearly dependent.
 fn solve(rows: &[Vec<f64>], b: &[f64], used: &[usize]) -> Option<Vec<f64>> {
     let n = used.len();
     let dot = |i: usize, j: usize| rows.iter().map(|r| r[i] * r[j]).sum::<f64>();

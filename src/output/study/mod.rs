@@ -1,5 +1,6 @@
-//! Studies: a published comparison done again. A study file names experiments; it is checked against their matrices, then
-//! their records are put to its claims, tables, errata, cost model and guide, and shown on one page.
+//! Studies: reproductions of a published comparison. A study file names experiments and is checked against their
+//! matrices; from their records come the verdicts on its claims, its tables, errata, cost model and guide, shown on one
+//! page.
 //!
 //! ```text
 //! config::Study ─► check ─► run ─► batch, one folder each ─► Records ─┬► claims ─┐
@@ -10,7 +11,7 @@
 //!                                                                     └► guide ──┘
 //! ```
 //!
-//! Nothing here knows a study by name: what is measured and claimed stands in `configs/studies/NAME.json`.
+//! No study is named in this code: the experiments and claims of each are in `configs/studies/NAME.json`.
 
 mod charts;
 mod check;
@@ -46,37 +47,37 @@ use table::Table;
 /// Folder of the experiments' reports below a study's folder.
 pub const EXPERIMENTS: &str = "experiments";
 
-/// What a study found: `study.json`.
+/// Results of a study, the content of `study.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// Name of the study.
     pub study: String,
     /// Profile of the study that was run.
     pub profile: String,
-    /// Adapter that every number about time belongs to.
+    /// Adapter on which all times were measured.
     pub adapter: String,
-    /// `total` or `wall`.
+    /// Clock of the times: `total` or `wall`.
     pub clock: String,
     /// Claims with their verdicts.
     pub claims: Vec<Claim>,
-    /// Tables of the source beside what was measured.
+    /// Tables of the source with the values measured here.
     pub tables: Vec<Table>,
     /// Defects of the source with their numbers.
     pub errata: Vec<ErratumFinding>,
-    /// What a sample costs; `null` without times.
+    /// Fitted time per sample; `null` where no cell has times.
     pub cost_model: Option<CostModel>,
     /// Answers of the guide.
     pub guide: Vec<Answer>,
-    /// Seconds that the experiments took, summed over resumed runs.
+    /// Wall-clock time of the experiments, s, summed over resumed runs.
     pub wall_s: f64,
-    /// Cells of all experiments.
+    /// Number of cells of all experiments.
     pub cells: usize,
-    /// Cells that failed.
+    /// Number of cells that failed.
     pub failed: usize,
 }
 
-/// Puts the reports to the study's questions and writes `study.json`, charts, `index.html` and `guide.html` into
-/// `folder`, where the reports lie below [`EXPERIMENTS`]. Returns the outcome and the path of the page.
+/// Evaluates the study on its reports and writes `study.json`, charts, `index.html` and `guide.html` into `folder`,
+/// where the reports are below [`EXPERIMENTS`]. Returns the outcome and the path of the page.
 pub fn conclude(
     study: &Study,
     reports: &[(String, Report)],
@@ -128,7 +129,7 @@ fn outcome(study: &Study, records: &Records<'_>, folder: &Path) -> Outcome {
     }
 }
 
-/// Adapter with its kind, as every table names it.
+/// Name and kind of the adapter, for the captions of tables.
 fn adapter(report: &Report) -> String {
     let e = &report.environment;
     if e.is_oracle() {

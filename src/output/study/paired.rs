@@ -1,12 +1,12 @@
-//! Numbers that keep their repeats: what is computed from cells of the same rounds is computed round by round, so that a
-//! drift of the machine's speed, which meets all of them alike, drops out.
+//! Numbers that keep their repeats: differences and ratios of cells timed in the same rounds are computed round by
+//! round, so that a drift of the machine's speed, common to all of them, cancels.
 
 use super::interval::Interval;
 
-/// A number with its range and, where it is a time on the device, its value in each round.
+/// A number with its interval and, where it is a time on the device, its value in each round.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Repeated {
-    /// Value and range.
+    /// Median and confidence interval.
     pub interval: Interval,
     rounds: Option<Rounds>,
 }
@@ -22,14 +22,14 @@ struct Rounds {
 pub struct Block {
     /// Id of the experiment.
     pub experiment: String,
-    /// Key of the truth, which stands for scene and size.
+    /// Key of the truth, which identifies scene and image size.
     pub reference: String,
     /// Index of the block's first cell.
     pub first: usize,
 }
 
 impl Repeated {
-    /// By its value in each round of a block; a reason where they are too few.
+    /// A number from its value in each round of a block; an error where there are too few rounds.
     pub fn of_rounds(block: Block, values: Vec<f64>) -> Result<Self, String> {
         Ok(Self {
             interval: Interval::of_repeats(&values)?,
@@ -37,7 +37,7 @@ impl Repeated {
         })
     }
 
-    /// Difference: round by round, or each at its worst.
+    /// Difference: round by round, or by interval arithmetic where the two do not share rounds.
     pub fn minus(&self, other: &Self) -> Result<Self, String> {
         match self.together(other) {
             Some(pairs) => pairs.map(|a, b| a - b),
@@ -45,7 +45,8 @@ impl Repeated {
         }
     }
 
-    /// Quotient: round by round, or each at its worst. A reason where the divisor may be 0.
+    /// Quotient: round by round, or by interval arithmetic where the two do not share rounds. An error where the
+    /// divisor may be 0.
     pub fn over(&self, other: &Self) -> Result<Self, String> {
         match self.together(other) {
             Some(pairs) if pairs.b.iter().all(|b| *b > 0.0) => pairs.map(|a, b| a / b),
@@ -53,7 +54,8 @@ impl Repeated {
         }
     }
 
-    /// The range that holds the true median with another probability, where there are rounds.
+    /// Confidence interval of the median with the probability `confidence`; [`Self::interval`] where there are no
+    /// rounds.
     pub fn range_at(&self, confidence: f64) -> Result<Interval, String> {
         match &self.rounds {
             Some(rounds) => Interval::of_repeats_at(&rounds.values, confidence),
@@ -81,7 +83,7 @@ impl From<Interval> for Repeated {
     }
 }
 
-/// Two numbers in the same rounds.
+/// Values of two numbers in the same rounds.
 struct Pairs<'a> {
     block: &'a Block,
     a: &'a [f64],
@@ -95,8 +97,8 @@ impl Pairs<'_> {
     }
 }
 
-/// The numbers without what is common to all of them in a round: each round is scaled to the mean of all rounds. Numbers
-/// that were not measured in the same rounds stay as they are.
+/// Removes the drift common to all numbers: scales each round so that its sum is the mean of all rounds' sums. Numbers
+/// that were not measured in the same rounds are returned unchanged.
 pub fn without_drift(numbers: Vec<Repeated>) -> Result<Vec<Repeated>, String> {
     let Some(first) = numbers.first().and_then(|n| n.rounds.as_ref()) else {
         return Ok(numbers);

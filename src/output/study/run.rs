@@ -1,4 +1,4 @@
-//! Runs the experiments of a study one after the other, each resumable in its own folder, and says how far it is.
+//! Runs the experiments of a study one after the other, each resumable in its own folder, and reports progress.
 
 use super::check::check;
 use super::claims::{self, Claim};
@@ -18,42 +18,42 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Samples a view sample of the truth takes, for the forecast alone.
+/// Forecast: density samples per view sample of the truth.
 const TRUTH_SAMPLES: f64 = 150.0;
-/// Samples that anything done to a cell costs at least, for the forecast alone.
+/// Forecast: fixed cost of a cell or a truth, as a number of density samples.
 const LEAST_SAMPLES: f64 = 3e6;
 
-/// How far a study is.
+/// Progress of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StudyProgress {
     /// Finished share of the forecast work, 0…1.
     pub share: f64,
-    /// Seconds to go at the speed so far; `None` before there is one.
+    /// Seconds left at the speed of this run so far; `None` before its first finished cell.
     pub eta_s: Option<f64>,
 }
 
-/// What happens during a study.
+/// Event during a study.
 #[derive(Clone, Debug)]
 pub enum StudyEvent<'a> {
     /// An experiment begins.
     Begins {
-        /// Position, from 0.
+        /// Index of the experiment, from 0.
         index: usize,
         /// Number of experiments.
         count: usize,
         /// Title of the experiment.
         title: &'a str,
     },
-    /// The batch of an experiment says something.
+    /// Event of an experiment's batch.
     Batch(batch::Event, StudyProgress),
-    /// The report of an experiment is written.
+    /// The report of the experiment with this id is written.
     Done(&'a str, StudyProgress),
 }
 
-/// Receives events; `Break` stops the study, finished cells are kept.
+/// Callback that receives events; `Break` stops the study, finished cells are kept.
 pub type StudyObserver<'a> = &'a mut dyn FnMut(StudyEvent<'_>) -> ControlFlow<()>;
 
-/// Density samples that an experiment takes, all alike: in all for its truths, and of each cell.
+/// Forecast of an experiment's work in density samples: for all its truths together, and for each cell.
 struct Forecast {
     truths: f64,
     cells: Vec<f64>,
@@ -90,20 +90,20 @@ impl Forecast {
         self.truths + self.cells.iter().sum::<f64>()
     }
 
-    /// A cell with its share of the truths.
+    /// Density samples of a cell plus an equal share of the truths'.
     fn cell(&self, index: usize) -> f64 {
         let own = self.cells.get(index).copied().unwrap_or(0.0);
         own + self.truths / self.cells.len().max(1) as f64
     }
 }
 
-/// Pixels × steps × one half, which stands for the cloud's share.
+/// Forecast of view samples: pixels × steps × ½, the assumed share of pixels that show cloud.
 fn view_samples(view: &MatrixView) -> f64 {
     let pixels = f64::from(view.image.width) * f64::from(view.image.height);
     0.5 * pixels * f64::from(view.scene.march.steps)
 }
 
-/// Samples of a picture that marches a `share` of its pixels.
+/// Forecast of density samples of a picture that marches a `share` of its pixels, 0…1.
 fn cell_samples(view: &MatrixView, cell: &CellSpec, share: f64) -> f64 {
     let number = |name| cell.params.int(name).map_or(0.0, f64::from);
     let look_ups = share * view_samples(view);
@@ -114,7 +114,8 @@ fn cell_samples(view: &MatrixView, cell: &CellSpec, share: f64) -> f64 {
     }
 }
 
-/// Measures what is missing of a study in `folder` and concludes; returns the outcome and the path of the page.
+/// Measures the cells that `folder` does not have yet and evaluates the study; returns the outcome and the path of the
+/// page.
 pub fn run(
     study: &Study,
     backend: &Backend,
@@ -130,7 +131,7 @@ pub fn run(
     let forecasts: Vec<Forecast> = entries
         .map(|(e, matrix)| Forecast::new(&e.experiment, matrix))
         .collect();
-    // Each experiment locks its own folder, too; this keeps a second run of the study from its pages.
+    // Each experiment also locks its own folder; this lock prevents a second run of the study from writing its pages.
     let _lock = Lock::take(folder)?;
     let mut meter = Meter::new(forecasts.iter().map(Forecast::total).sum());
     let mut reports: Vec<(String, Report)> = Vec::new();
@@ -170,11 +171,11 @@ fn tell(flow: ControlFlow<()>) -> Result<()> {
     }
 }
 
-/// Work done and the time it took.
+/// Progress meter: work done, in density samples, and the time it took.
 struct Meter {
     total: f64,
     done: f64,
-    /// Work that an earlier run did.
+    /// Work done by an earlier run, which does not count for the speed.
     found: f64,
     start: Instant,
 }
@@ -204,7 +205,7 @@ impl Meter {
     }
 }
 
-/// Writes the last report with the claims that its records, alone or with those before it, are put to.
+/// Writes the last report with the verdicts on the claims that need its records and no later ones.
 fn write_report(study: &Study, reports: &mut [(String, Report)], folder: &Path) -> Result<()> {
     let Some((id, _)) = reports.last() else {
         return Ok(());

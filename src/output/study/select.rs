@@ -1,6 +1,6 @@
-//! Cells by what a study says of them, and their numbers with the spread of their repeats.
+//! Selects the cells that a study's picks describe and reads their numbers with the spread of their repeats.
 //!
-//! Every failure is a reason in words: a verdict or a chart repeats it, nothing is dropped silently.
+//! Every error is a reason in words that the verdict or the chart shows; no missing number is dropped silently.
 
 use super::interval::Interval;
 use super::paired::{Block, Repeated};
@@ -20,7 +20,7 @@ pub struct Records<'a> {
     pub series: &'a BTreeMap<String, Series>,
 }
 
-/// A cell that was found, with its experiment's report.
+/// A cell that has numbers, with the report of its experiment.
 #[derive(Clone, Copy)]
 pub struct Found<'a> {
     /// Id of the experiment.
@@ -42,7 +42,7 @@ impl<'a> Records<'a> {
             .ok_or_else(|| format!("experiment `{id}` has no records"))
     }
 
-    /// Words for a series.
+    /// Label of a series, or its name where it has none.
     pub fn label<'n>(&self, name: &'n str) -> &'n str
     where
         'a: 'n,
@@ -50,7 +50,7 @@ impl<'a> Records<'a> {
         label(self.series, name)
     }
 
-    /// Method of a series.
+    /// Method id of a series.
     pub fn method<'n>(&self, name: &'n str) -> &'n str
     where
         'a: 'n,
@@ -89,7 +89,8 @@ impl<'a> Records<'a> {
         })
     }
 
-    /// Cells of a pick by growing value of an axis; no value twice. A failed cell is a reason, not a gap.
+    /// Cells of a pick by growing value of an axis. An error where a value occurs twice, a cell has failed or none
+    /// fits.
     pub fn along(&self, pick: &Pick, axis: &str) -> Result<Vec<(f64, Found<'a>)>, String> {
         let (experiment, report, cells) = self.cells(pick)?;
         let mut points = Vec::with_capacity(cells.len());
@@ -120,7 +121,8 @@ impl<'a> Records<'a> {
         }
     }
 
-    /// A number of the study with its spread.
+    /// A quantity of the study (a number of one cell, or the difference of two) with its spread and the cells it is
+    /// from.
     pub fn quantity(&self, quantity: &Quantity) -> Result<(Repeated, Vec<Found<'a>>), String> {
         let found = self.find(&quantity.of)?;
         let value = metric(&found, &quantity.metric)?;
@@ -160,7 +162,7 @@ pub fn fits(cell: &Cell, series: &Series, pick: &Pick) -> bool {
     cell.method == series.method && matches(cell, &series.at) && matches(cell, &pick.at)
 }
 
-/// An axis without the path to it.
+/// Last segment of an axis path.
 pub fn short_axis(axis: &str) -> &str {
     axis.rsplit('/').next().unwrap_or(axis)
 }
@@ -202,7 +204,7 @@ fn member<'a>(cell: &'a Cell, axis: &str) -> Option<&'a Value> {
     members.get(axis)
 }
 
-/// Value of an axis at a cell.
+/// Value of an axis at a cell: size of its image in px, share of cloud pixels, scene member or parameter.
 pub fn value_of(cell: &Cell, axis: &str) -> Option<f64> {
     let (width, height) = (f64::from(cell.image.width), f64::from(cell.image.height));
     match axis {
@@ -215,7 +217,7 @@ pub fn value_of(cell: &Cell, axis: &str) -> Option<f64> {
 }
 
 /// A number of a cell by its name, one of [`study_names`](crate::batch::numbers::study_names). Times have the spread of
-/// their repeats, all else none.
+/// their repeats; all other numbers are exact.
 pub fn metric(found: &Found<'_>, name: &str) -> Result<Repeated, String> {
     let number = study_number(name).ok_or_else(|| format!("no number is named `{name}`"))?;
     if let Some(repeats) = number.repeats {
@@ -228,8 +230,8 @@ pub fn metric(found: &Found<'_>, name: &str) -> Result<Repeated, String> {
         .ok_or_else(|| format!("{} has no {name}", found.cell.method))
 }
 
-/// A time by its rounds; by its statistics where the rounds are not recorded, as with the wall clock. Where a round has no
-/// time the others cannot be paired with those of another cell.
+/// A time by its rounds; by its minimum, median and 95th percentile where the rounds are not recorded, as with the wall
+/// clock. Where a round has no time, the result cannot be paired with another cell round by round.
 fn spread(
     found: &Found<'_>,
     rounds: &[Option<f64>],
@@ -258,7 +260,7 @@ fn spread(
     }
 }
 
-/// Ratio of a number of two cells; times of the same rounds are divided round by round.
+/// Ratio `of` ÷ `to` of a number of two cells; times of the same rounds are divided round by round.
 pub fn ratio(of: &Found<'_>, to: &Found<'_>, name: &str) -> Result<Repeated, String> {
     metric(of, name)?.over(&metric(to, name)?)
 }

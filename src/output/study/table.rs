@@ -1,4 +1,4 @@
-//! Tables of the source with what was measured here beside them.
+//! Fills the tables of the source with the values measured here beside the published ones.
 
 use super::charts::relative;
 use super::claims::CellLink;
@@ -10,45 +10,46 @@ use serde::Serialize;
 /// A table of the page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Table {
-    /// Published table.
+    /// Name of the published table.
     pub figure: String,
     /// Heading.
     pub title: String,
     /// Experiment that the cells are from.
     pub experiment: String,
-    /// Words for the series whose total time is 1, where ratios are shown.
+    /// Label of the series whose total time is 1, where ratios are shown.
     pub relative_to: Option<String>,
     /// A line on how to read it.
     pub note: String,
-    /// Name and title of each number.
+    /// Name and title of each number, one a column.
     pub metrics: Vec<(String, String)>,
     /// Rows in order.
     pub rows: Vec<CellRow>,
 }
 
-/// One cell of the study.
+/// One row: a cell of the study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellRow {
     /// The cell in words.
     pub label: String,
-    /// One entry a number.
+    /// One entry for each number, in the order of [`Table::metrics`].
     pub entries: Vec<Entry>,
-    /// The cell.
+    /// Reference to the cell; `None` where it was not found.
     pub cell: Option<CellLink>,
-    /// Why numbers are missing.
+    /// Reasons for missing numbers.
     pub missing: Vec<String>,
 }
 
 /// A number as published and as measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Entry {
-    /// In the source, in the unit of the number's name.
+    /// Published value, in the unit of the number's name.
     pub published: Option<f64>,
-    /// Over the source's own unit.
+    /// Published value over the source's own unit.
     pub published_ratio: Option<f64>,
-    /// Here.
+    /// Value measured here, in the unit of the number's name.
     pub here: Option<Interval>,
-    /// Here, over that series in the same picture, round by round where they share rounds.
+    /// Value measured here over the total time of [`Table::relative_to`] in the same picture, round by round where they
+    /// share rounds.
     pub ratio: Option<Interval>,
 }
 
@@ -85,7 +86,7 @@ fn row(records: &Records<'_>, spec: &TableSpec, row: &TableRow) -> CellRow {
             published_ratio: published.and_then(|p| Some(p / spec.unit?)),
             ..Entry::default()
         };
-        // A method without a map has no map pass: an empty field, not a gap.
+        // A method without a map has no map pass: the field is empty and not listed as missing.
         if let Ok(found) = &found
             && (found.numbers.memory.map_bytes > 0 || column.metric != "generate_ms")
         {

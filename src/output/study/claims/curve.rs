@@ -1,4 +1,4 @@
-//! Predicates on numbers along an axis: straight line, crossover, gain of an error.
+//! Predicates on numbers along an axis: straight line, crossover of two series, relative decrease of an error.
 
 use super::super::interval::{CONFIDENCE, Interval};
 use super::super::paired::without_drift;
@@ -7,11 +7,12 @@ use super::{Finding, Verdict};
 use crate::config::Pick;
 use crate::report::format::{number, percent};
 
-/// Fewest points that can bend.
+/// Smallest number of points from which a line can be told from a curve.
 const FEWEST_POINTS: usize = 3;
 
-/// Growth along a straight line; with a limit for the intercept also proportionality. Cells of the same rounds are
-/// compared without the drift that they share.
+/// Tests that a number grows along a straight line: `bend` is the limit of the largest residual over the range of the
+/// values. With a limit for the intercept, as a share of the largest value, also tests proportionality. The drift that
+/// cells of the same rounds share is removed first.
 pub fn straight(
     records: &Records<'_>,
     metric: &str,
@@ -73,7 +74,7 @@ pub fn straight(
     Ok(Finding::new(verdict, text, &cells))
 }
 
-/// Whether a slope is surely positive.
+/// Tests that a slope is positive over its whole interval.
 fn growing(slope: Interval) -> Verdict {
     if slope.low > 0.0 {
         Verdict::Holds
@@ -84,8 +85,8 @@ fn growing(slope: Interval) -> Verdict {
     }
 }
 
-/// A deviation against its limit, where `noise` of it may be due to the repeats: it holds only where noise would not
-/// hide more than the limit.
+/// Tests a deviation against its limit, where up to `noise` of it may be due to the spread of the repeats. Undecidable
+/// where the noise alone exceeds the limit.
 fn limited(deviation: f64, noise: f64, limit: f64) -> Verdict {
     Verdict::within(
         (deviation - noise).max(0.0),
@@ -94,8 +95,8 @@ fn limited(deviation: f64, noise: f64, limit: f64) -> Verdict {
     )
 }
 
-/// A line by least squares. Its ranges take those of the points for independent: half-widths add up as squares, each with
-/// the weight that the point has in the fit.
+/// Least-squares line. The points' errors are taken as independent: their half-widths, weighted as in the fit, are
+/// added in quadrature.
 struct FittedLine {
     intercept: Interval,
     slope: Interval,
@@ -113,13 +114,13 @@ impl FittedLine {
         }
     }
 
-    /// Distance of a point.
+    /// Absolute residual of a point.
     fn off(&self, (x, y): &(f64, Interval)) -> f64 {
         (y.value - self.intercept.value - self.slope.value * x).abs()
     }
 }
 
-/// Σ weight(x)·y.
+/// Σ weight(x)·y, with half-width √Σ(weight(x)·half-width)².
 fn weighted(points: &[(f64, Interval)], weight: impl Fn(f64) -> f64) -> Interval {
     let value: f64 = points.iter().map(|(x, y)| weight(*x) * y.value).sum();
     let square: f64 = points
@@ -133,18 +134,18 @@ fn weighted(points: &[(f64, Interval)], weight: impl Fn(f64) -> f64) -> Interval
     }
 }
 
-/// Where one series overtakes another: an interval of the axis.
+/// Where the ratio of two series passes 1: an interval of the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Crossing {
     /// Between two values of the axis; an end is `None` where the sweep ends before it.
     Between(Option<f64>, Option<f64>),
     /// The order changes more than once, or the wrong way.
     Tangled,
-    /// Nowhere are the two told apart.
+    /// The interval of the ratio contains 1 at every value of the axis.
     Unclear,
 }
 
-/// The crossing of ratios that are first below 1 and then above, by growing x.
+/// Crossing of ratios, by growing x, that are first below 1 and then above.
 pub fn crossing(ratios: &[(f64, Interval)]) -> Crossing {
     let below = |(_, r): &&(f64, Interval)| r.high < 1.0;
     let above = |(_, r): &&(f64, Interval)| r.low > 1.0;
@@ -157,7 +158,7 @@ pub fn crossing(ratios: &[(f64, Interval)]) -> Crossing {
     }
 }
 
-/// A crossover between limits.
+/// Tests that the ratio of two series, first below 1, crosses 1 between two values of the axis.
 pub fn crossover(
     records: &Records<'_>,
     metric: &str,
@@ -167,7 +168,7 @@ pub fn crossover(
 ) -> Result<Finding, String> {
     let (first, second) = (records.along(of, along)?, records.along(over, along)?);
     let (mut ratios, mut cells) = (Vec::new(), Vec::new());
-    // Each value of the axis is a chance to be wrong (Bonferroni).
+    // One comparison for each value of the axis: Bonferroni correction.
     let confidence = 1.0 - (1.0 - CONFIDENCE) / first.len() as f64;
     for (x, a) in &first {
         let Some((_, b)) = second.iter().find(|(other, _)| other == x) else {
@@ -229,7 +230,7 @@ fn place(crossing: Crossing, first: f64, last: f64) -> String {
     }
 }
 
-/// What an error loses between two values of an axis.
+/// Tests that an error decreases by at most a share of itself (`at_most`) between two values of an axis.
 pub fn gain(
     records: &Records<'_>,
     metric: &str,

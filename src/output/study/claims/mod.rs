@@ -1,7 +1,7 @@
-//! Published claims put to the test: predicates over records, with the numbers that decided.
+//! Tests published claims: predicates over records, with the numbers that decided.
 //!
-//! A time is an interval (see [`Interval`](crate::study::Interval)); a predicate holds or fails only where the whole interval says so, and is
-//! otherwise not decidable here. So is whatever meets a missing or failed cell. Nothing is forced.
+//! A time is an interval (see [`Interval`](crate::study::Interval)). A predicate holds or fails only where the whole
+//! interval satisfies or violates it; otherwise, and where a cell is missing or failed, it is undecidable.
 
 mod curve;
 mod ratio;
@@ -20,12 +20,12 @@ pub enum Verdict {
     Holds,
     /// The claim does not hold.
     Fails,
-    /// The records cannot tell.
+    /// The records do not decide it: an interval contains a limit, or numbers are missing.
     Undecidable,
 }
 
 impl Verdict {
-    /// In words, as on the page.
+    /// Text of the verdict on the page.
     pub fn words(self) -> &'static str {
         match self {
             Self::Holds => "holds",
@@ -34,7 +34,7 @@ impl Verdict {
         }
     }
 
-    /// Verdict of a number against limits: the whole interval must lie inside, or outside.
+    /// Verdict of the interval `low`…`high` against limits: holds where it lies inside, fails where it lies outside.
     fn within(low: f64, high: f64, (least, most): (f64, f64)) -> Self {
         if low >= least && high <= most {
             Self::Holds
@@ -45,7 +45,7 @@ impl Verdict {
         }
     }
 
-    /// Verdict of parts that must all hold.
+    /// Verdict of a conjunction of parts.
     fn all(parts: impl Iterator<Item = Self> + Clone) -> Self {
         if parts.clone().any(|part| part == Self::Fails) {
             Self::Fails
@@ -57,12 +57,12 @@ impl Verdict {
     }
 }
 
-/// Names a cell of an experiment's report.
+/// Reference to a cell of an experiment's report.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CellLink {
     /// Id of the experiment.
     pub experiment: String,
-    /// Index of the cell.
+    /// Index of the cell in the report.
     pub index: usize,
 }
 
@@ -75,14 +75,14 @@ impl From<&Found<'_>> for CellLink {
     }
 }
 
-/// What a predicate found.
+/// Result of a predicate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// Whether it holds.
+    /// Verdict of the predicate.
     pub verdict: Verdict,
-    /// The numbers that decided, and what was wanted.
+    /// The numbers that decided and the wanted limits, in words.
     pub numbers: String,
-    /// Cells they come from.
+    /// Cells that the numbers come from.
     pub cells: Vec<CellLink>,
 }
 
@@ -115,13 +115,13 @@ pub struct Part {
 pub struct Claim {
     /// Id, e.g. `M5`.
     pub id: String,
-    /// Where it is published.
+    /// Place in the publication.
     pub place: String,
-    /// The claim.
+    /// The claim in words.
     pub says: String,
     /// Verdict of the claim.
     pub verdict: Verdict,
-    /// Why, in a sentence.
+    /// Reason for the verdict, one or two sentences.
     pub because: String,
     /// Parts that decided it.
     pub parts: Vec<Part>,
@@ -148,7 +148,7 @@ pub fn decide(records: &Records<'_>, spec: &ClaimSpec) -> Claim {
     }
 }
 
-/// The finding of a test; what cannot be had makes it undecidable.
+/// Finding of a test; an error, such as a missing cell, makes it undecidable.
 pub fn find(records: &Records<'_>, test: &Test) -> Finding {
     let found = match test {
         Test::Range { of, between } => ratio::range(records, of, *between),
@@ -181,7 +181,7 @@ pub fn find(records: &Records<'_>, test: &Test) -> Finding {
     found.unwrap_or_else(Finding::undecidable)
 }
 
-/// One sentence: the parts that decided.
+/// Reason for a verdict: the parts that decided it.
 fn because(verdict: Verdict, parts: &[Part]) -> String {
     let of = |wanted: Verdict| -> Vec<&str> {
         let parts = parts.iter().filter(|part| part.finding.verdict == wanted);
@@ -207,7 +207,7 @@ fn because(verdict: Verdict, parts: &[Part]) -> String {
     }
 }
 
-/// How many do something, with the verb for one and for many.
+/// `n` with its verb: `one` for 0 and 1, else `many`.
 fn count(n: usize, one: &str, many: &str) -> String {
     match n {
         0 => format!("none {one}"),
@@ -216,10 +216,10 @@ fn count(n: usize, one: &str, many: &str) -> String {
     }
 }
 
-/// Most parts that a sentence names.
+/// Largest number of parts that a sentence names.
 const MOST_NAMED: usize = 3;
 
-/// The first few, and how many more there are.
+/// The first [`MOST_NAMED`] parts, and the number of the others.
 fn named(parts: &[&str]) -> String {
     let shown = parts[..parts.len().min(MOST_NAMED)].join("; ");
     match parts.len().saturating_sub(MOST_NAMED) {

@@ -6,7 +6,7 @@ use super::{Finding, Verdict};
 use crate::config::{Pick, Quantity};
 use crate::report::format::number;
 
-/// Limits as published: from, and up to where there is an upper one.
+/// Published limits: lower, and upper where there is one.
 pub type Limits = (f64, Option<f64>);
 
 fn closed((least, most): Limits) -> (f64, f64) {
@@ -20,7 +20,7 @@ fn wanted((least, most): Limits) -> String {
     }
 }
 
-/// A number between limits.
+/// Tests that a number lies between limits.
 pub fn range(records: &Records<'_>, of: &Quantity, limits: Limits) -> Result<Finding, String> {
     let (value, cells) = records.quantity(of)?;
     let value = value.interval;
@@ -29,7 +29,7 @@ pub fn range(records: &Records<'_>, of: &Quantity, limits: Limits) -> Result<Fin
     Ok(Finding::new(verdict, text, &cells))
 }
 
-/// A ratio between limits.
+/// Tests that a ratio of two numbers lies between limits.
 pub fn ratio(
     records: &Records<'_>,
     of: &Quantity,
@@ -57,7 +57,7 @@ fn words(records: &Records<'_>, quantity: &Quantity) -> String {
     }
 }
 
-/// Each group below the next: every pair of neighbouring groups is compared by its ratio.
+/// Tests that every number of a group is below every number of the next group.
 pub fn order(
     records: &Records<'_>,
     metric: &str,
@@ -89,7 +89,7 @@ pub fn order(
     ))
 }
 
-/// Whether a's number is below b's: by ratio, or by their values where b's may be 0.
+/// Tests that a's number is below b's: by their ratio, or by their difference where b's may be 0.
 fn below(a: &Found<'_>, b: &Found<'_>, metric: &str) -> Result<Verdict, String> {
     let (a, b) = (select::metric(a, metric)?, select::metric(b, metric)?);
     Ok(match a.over(&b) {

@@ -1,4 +1,4 @@
-//! Each predicate on made-up records, made to come out each way.
+//! Each predicate on synthetic records that make it hold, fail and be undecidable.
 
 use super::super::fixture::{FixtureReport, pick, quantity};
 use super::*;
@@ -164,7 +164,7 @@ fn an_order_compares_each_group_with_the_next() {
     assert_eq!(verdict(&made, &equal), Fails, "equal is not smaller");
 }
 
-/// Each cell in rounds of its own.
+/// Puts each cell into a timing block of its own, so that no two cells share rounds.
 fn timed_apart(made: &mut FixtureReport) {
     for (i, cell) in made.reports[0].1.cells.iter_mut().enumerate() {
         if let Some(result) = &mut cell.result {
@@ -230,7 +230,7 @@ fn a_crossover_is_an_interval_of_the_sweep() {
         along: "steps".to_owned(),
         between,
     };
-    // 30 ms are passed between 10 and 20 steps.
+    // The time exceeds 30 ms between 10 and 20 steps.
     let crossing = sweep(|x| steady(2.0 * x));
     assert_eq!(verdict(&crossing, &crossover((9.0, 21.0))), Holds);
     assert_eq!(verdict(&crossing, &crossover((25.0, 60.0))), Fails);

@@ -1,14 +1,15 @@
-//! What a sample costs: counted samples against measured times.
+//! Cost model: times per sample, fitted to counted samples and measured times.
 //!
-//! The simplest model has one price: t = c·N, N = N_light + N_look + N_map: the light samples of a secondary march, or the
+//! The one-price model is t = c·N, N = N_light + N_look + N_map: the light samples of a secondary march, or the
 //! look-ups in a map, and the samples that make the map. The model of a method has a price for each kind:
 //! t = c_view·n_view + c_light·n_light + c_look·n_look + c_map·n_map, c ≥ 0, by least squares of relative errors.
 //!
-//! Where samples and look-ups grow together, a method's own prices cannot be told from each other. Hence a third model, of
-//! all methods at once: a view, a light and a map sample cost the same whoever takes them, a look-up what its method takes.
+//! Where samples and look-ups are collinear, a method's own prices are not determined. Hence a third model, of all
+//! methods at once: prices of view, light and map samples are common to all methods, the price of a look-up is the
+//! method's own.
 //!
-//! All counts come from the shaders. Times are without the pass that rebuilds pictures, which has no count. R² is that of
-//! the times' logarithms, since the fits weigh relative errors: 1 − Σ(ln t − ln t̂)²/Σ(ln t − mean ln t)².
+//! All counts come from the shaders. Times exclude the reconstruction pass, which has no count. R² is that of the
+//! times' logarithms, since the fits weigh relative errors: 1 − Σ(ln t − ln t̂)²/Σ(ln t − mean ln t)².
 
 mod reasons;
 
@@ -20,14 +21,14 @@ use std::collections::BTreeMap;
 
 /// Names of the counts, in the order of [`Cost::counts`].
 pub const COUNTS: [&str; 4] = ["view sample", "light sample", "look-up", "map sample"];
-/// Relative error from which a model owes an explanation.
+/// Absolute relative error above which reasons are given.
 const LARGE: f64 = 0.2;
-/// Fewest timed runs of a cell that takes part.
+/// Smallest number of timed runs of a cell that is used.
 const FEWEST_RUNS: usize = 3;
-/// Fewest cells that a method's prices are fitted to.
+/// Smallest number of cells that a method's prices are fitted to.
 const FEWEST_CELLS: usize = 6;
 
-/// A cell as the model sees it.
+/// Data of one cell for the fit, and its predictions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cost {
     /// Id of the experiment.
@@ -36,74 +37,74 @@ pub struct Cost {
     pub index: usize,
     /// Method.
     pub method: String,
-    /// View samples, light samples, look-ups, map samples.
+    /// Numbers of view samples, light samples, look-ups, map samples.
     pub counts: [f64; 4],
-    /// Measured, ms, without reconstruction.
+    /// Measured median time, ms, without the reconstruction pass.
     pub total_ms: f64,
-    /// Largest |deviation| of the repeats over the median.
+    /// Deviation of the minimum or the 95th percentile from the median, the larger one, over the median.
     pub spread: f64,
-    /// By the model of one price, ms.
+    /// Time predicted by the one-price model, ms.
     pub one_price_ms: f64,
-    /// By the method's own model, ms; `None` where it has too few cells.
+    /// Time predicted by the method's own model, ms; `None` where the method has too few cells.
     pub own_ms: Option<f64>,
-    /// Share of cloud pixels.
+    /// Share of cloud pixels, 0…1.
     pub cloud: f64,
-    /// Bytes of its map.
+    /// Size of the map's textures, bytes.
     pub map_bytes: f64,
 }
 
-/// The model of one method.
+/// Cost model of one method.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MethodCost {
     /// Method.
     pub method: String,
-    /// Cells it was fitted to.
+    /// Number of cells it was fitted to.
     pub cells: usize,
-    /// Nanoseconds a view sample, light sample, look-up, map sample.
+    /// Nanoseconds per view sample, light sample, look-up, map sample.
     pub prices_ns: [f64; 4],
-    /// Share of the variance that the model explains.
+    /// R² of the times' logarithms.
     pub r2: f64,
-    /// Relative error of the worst cell, with its sign.
+    /// Relative error (predicted ÷ measured − 1) of the worst cell, with its sign.
     pub worst: f64,
     /// Median of the absolute relative errors.
     pub typical: f64,
-    /// The same two numbers of the model of one price on this method.
+    /// Relative error of the worst cell of this method in the one-price model, with its sign.
     pub one_price_worst: f64,
-    /// Median of its absolute relative errors.
+    /// Median of the absolute relative errors of the one-price model on this method.
     pub one_price_typical: f64,
-    /// Why a model is wrong by more than 20 %, sentences.
+    /// Sentences on reasons for errors above 20 %.
     pub why: Vec<String>,
 }
 
-/// What samples cost whoever takes them.
+/// Prices of view, light and map samples common to all methods, with a price of look-ups for each method.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SharedCost {
-    /// Nanoseconds a view sample, light sample, map sample.
+    /// Nanoseconds per view sample, light sample, map sample.
     pub samples_ns: [f64; 3],
-    /// Nanoseconds a look-up, by method with a map.
+    /// Nanoseconds per look-up, by method with look-ups.
     pub look_ups_ns: BTreeMap<String, f64>,
-    /// Share of the variance that the model explains.
+    /// R² of the times' logarithms.
     pub r2: f64,
     /// Median of the absolute relative errors.
     pub typical: f64,
 }
 
-/// The models on one adapter.
+/// The three models, fitted on one adapter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CostModel {
-    /// Nanoseconds a sample in the model of one price.
+    /// Nanoseconds per sample in the one-price model.
     pub one_price_ns: f64,
-    /// Share of the variance that it explains.
+    /// R² of the times' logarithms in the one-price model.
     pub one_price_r2: f64,
     /// Prices that the methods share.
     pub shared: SharedCost,
-    /// One entry a method.
+    /// One entry for each method with enough cells.
     pub methods: Vec<MethodCost>,
-    /// Every cell.
+    /// Every cell used in the fits.
     pub cells: Vec<Cost>,
 }
 
-/// The model of all cells that were timed three times or more; `None` without any.
+/// Fits the models to all cells that were timed three times or more; `None` without any.
 pub fn fit(records: &Records<'_>) -> Option<CostModel> {
     let mut cells = Vec::new();
     for (id, report) in records.reports {
@@ -142,13 +143,13 @@ fn cost(
     (repeated && cost.total_ms > 0.0 && work(&cost) > 0.0).then_some(cost)
 }
 
-/// What the model of one price counts.
+/// Sample count N of the one-price model.
 fn work(cost: &Cost) -> f64 {
     let [_, light, look_ups, map] = cost.counts;
     light + look_ups + map
 }
 
-/// Fits both models and keeps their predictions.
+/// Fits the three models and stores the predictions of the first two in the cells.
 pub fn model(mut cells: Vec<Cost>) -> Option<CostModel> {
     if cells.is_empty() {
         return None;
@@ -186,7 +187,7 @@ pub fn model(mut cells: Vec<Cost>) -> Option<CostModel> {
     })
 }
 
-/// Prices of samples for all methods at once, and of each one's look-ups.
+/// Fits the prices of samples common to all methods and of each method's look-ups.
 fn shared(cells: &[Cost]) -> SharedCost {
     let looks = |c: &&Cost| c.counts[2] > 0.0;
     let mut names: Vec<&str> = cells
@@ -265,7 +266,8 @@ fn typical(errors: &[f64]) -> f64 {
     crate::metrics::summarise(&sizes).map_or(0.0, |s| s.median)
 }
 
-/// R² of the logarithms of measured and predicted times; 0 where the measured ones do not vary, −∞ for a prediction of 0.
+/// R² of the logarithms of (measured, predicted) times; 0 where the measured ones do not vary, −∞ for a prediction of
+/// 0.
 fn r2(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     let n = pairs.clone().count() as f64;
     let mean = pairs.clone().map(|(t, _)| t.ln()).sum::<f64>() / n;

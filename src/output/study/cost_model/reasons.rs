@@ -1,9 +1,9 @@
-//! Why a model of costs is wrong, as far as the numbers say.
+//! Explains large errors of the cost models, in sentences with numbers.
 
 use super::{COUNTS, Cost, LARGE, MethodCost, work};
 use crate::report::format::{number, percent, signed_percent};
 
-/// Reasons by numbers for errors above 20 %: first for one price, then for the method's own.
+/// Reasons for errors above 20 %: first of the one-price model, then of the method's own.
 pub(super) fn why(
     cost: &MethodCost,
     cells: &[&Cost],
@@ -36,7 +36,7 @@ pub(super) fn why(
     why
 }
 
-/// What the errors of the method's own model go with.
+/// The possible cause with which the errors of the method's own model correlate most.
 fn own_reason(cost: &MethodCost, cells: &[&Cost], errors: &[f64]) -> String {
     let at = |i: usize| {
         if errors[i].abs() == cost.worst.abs() {
@@ -92,7 +92,7 @@ fn own_reason(cost: &MethodCost, cells: &[&Cost], errors: &[f64]) -> String {
     text
 }
 
-/// Pearson's; 0 where one of them does not vary.
+/// Pearson's correlation coefficient; 0 where one of the two does not vary.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len() as f64;
     let mean = |v: &[f64]| v.iter().sum::<f64>() / n;

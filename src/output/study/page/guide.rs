@@ -1,4 +1,4 @@
-//! `guide.html`: which method when.
+//! `guide.html`: which method to use for which error, budget or axis value.
 
 use super::super::Outcome;
 use super::{KICKER, cell_links};

@@ -18,7 +18,7 @@ use crate::report::shell::{Link, Page, PageHeader, page};
 use maud::{Markup, html};
 use std::path::{Path, PathBuf};
 
-/// What kind of page these are.
+/// Line above the heading of both pages.
 const KICKER: &str = "occlab · a study done again";
 
 /// Writes both pages; returns the path of the first.
@@ -106,7 +106,7 @@ fn summary(study: &Study, outcome: &Outcome) -> Markup {
     }
 }
 
-/// Class of a verdict.
+/// CSS class of a verdict.
 fn class(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Holds => "verdict holds",
@@ -120,7 +120,7 @@ fn report_link(experiment: &str) -> String {
     format!("./{EXPERIMENTS}/{experiment}/index.html")
 }
 
-/// Most cells that are linked one by one.
+/// Largest number of cells that are linked one by one.
 const MOST_LINKS: usize = 12;
 
 /// Links to cells, grouped by experiment.

@@ -1,4 +1,5 @@
-//! Every setting of chosen experiments beside its truth, with its error numbers and its difference picture.
+//! Section of the study page with pictures: every setting of the chosen experiments beside its truth, with error
+//! numbers and the signed difference.
 
 use super::super::EXPERIMENTS;
 use super::super::select::Records;
@@ -17,7 +18,7 @@ use std::path::Path;
 /// Cards beside each other on a wide screen.
 const COLUMNS: usize = 5;
 
-/// Error numbers of a card, with the names that they have there.
+/// Error numbers of a card with their names on it.
 const CARD: [(&str, &Metric); 4] = [
     ("rel_rmse", metric("rel_rmse")),
     ("leak", metric("leak")),
@@ -25,7 +26,7 @@ const CARD: [(&str, &Metric); 4] = [
     ("FLIP", metric("flip_mean")),
 ];
 
-/// The section; nothing where the study shows no pictures.
+/// The section; empty where the study shows no pictures.
 pub fn section(folder: &Path, study: &Study, records: &Records<'_>) -> Markup {
     let mut album = Album::new(folder);
     let shown = study.pictures.iter();
@@ -55,7 +56,7 @@ pub fn section(folder: &Path, study: &Study, records: &Records<'_>) -> Markup {
     }
 }
 
-/// The files of a record as seen from the study's folder.
+/// Files of a record with their paths relative to the study's folder.
 fn files_below(experiment: &str, files: &Map<String, Value>) -> Map<String, Value> {
     let below = |(key, value): (&String, &Value)| {
         let path = format!("{EXPERIMENTS}/{experiment}/{}", value.as_str()?);

@@ -1,4 +1,4 @@
-//! Tables of the source beside what was measured here.
+//! Section of the study page: tables of the source beside the values measured here.
 
 use super::super::Outcome;
 use super::super::table::{Entry, Table};
@@ -7,7 +7,7 @@ use crate::report::format::{bytes, number};
 use crate::report::shell::parts;
 use maud::{Markup, html};
 
-/// The section; nothing where the study names no table.
+/// The section; empty where the study names no table.
 pub fn section(outcome: &Outcome) -> Markup {
     html! {
         @if !outcome.tables.is_empty() {
@@ -19,7 +19,7 @@ pub fn section(outcome: &Outcome) -> Markup {
     }
 }
 
-/// Which fields of a number a table has: nothing published, nothing to show.
+/// Fields shown for the number in this column; those of published values only where a row has one.
 fn fields(table: &Table, column: usize) -> Vec<&'static str> {
     let entries = || table.rows.iter().map(|row| &row.entries[column]);
     let mut fields = Vec::new();

@@ -1,4 +1,4 @@
-//! Claims, their evidence, errata, the cost model, definitions.
+//! Sections of the study page as tables: claims, their evidence, errata, the cost model, definitions.
 
 use super::super::Outcome;
 use super::super::charts::Figure;
@@ -10,7 +10,7 @@ use crate::report::format::{number, percent, signed_percent};
 use crate::report::shell::parts;
 use maud::{Markup, html};
 
-/// One row a claim.
+/// Section of the claims, one row for each.
 pub fn claims(outcome: &Outcome) -> Markup {
     let names = ["Claim", "Published", "Verdict here", "Because"];
     let head = html! { @for name in names { th scope="col" { (name) } } };
@@ -32,7 +32,7 @@ pub fn claims(outcome: &Outcome) -> Markup {
     }
 }
 
-/// The numbers of each part.
+/// Section with the numbers that decided each part of each claim.
 pub fn evidence(outcome: &Outcome) -> Markup {
     html! {
         section #evidence {
@@ -63,7 +63,7 @@ fn parts_of(claim: &Claim) -> Markup {
     }
 }
 
-/// Defects of the source.
+/// Section of the source's defects.
 pub fn errata(outcome: &Outcome) -> Markup {
     html! {
         section #errata {
@@ -86,7 +86,7 @@ pub fn errata(outcome: &Outcome) -> Markup {
     }
 }
 
-/// Prices, how well they fit, and where they do not.
+/// Section of the cost model: fitted prices, quality of the fit, and reasons for large errors.
 pub fn cost_model(study: &Study, outcome: &Outcome, figures: &[Figure]) -> Markup {
     let Some(model) = &outcome.cost_model else {
         return html! { section #cost { h2 { "Cost model" } p.notice { "No cell has a time, so nothing is fitted." } } };
@@ -193,7 +193,7 @@ const DEFINITIONS: [(&str, &str); 8] = [
     ),
 ];
 
-/// What each number means.
+/// Section with the definition of each number.
 pub fn definitions() -> Markup {
     parts::definitions(&DEFINITIONS, "")
 }
