@@ -1,5 +1,4 @@
-//! Charts of a study: measured curves beside the published points, and ratios of predicted to measured times of the
-//! cost models.
+//! Charts of a study: measured curves beside the published points, and the cost models' predicted ÷ measured times.
 
 use super::Outcome;
 use super::cost_model::Cost;

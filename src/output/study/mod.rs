@@ -1,6 +1,5 @@
 //! Studies: reproductions of a published comparison. A study file names experiments and is checked against their
-//! matrices; from their records come the verdicts on its claims, its tables, errata, cost model and guide, shown on one
-//! page.
+//! matrices; their records give the verdicts on its claims, its tables, errata, cost model and guide.
 //!
 //! ```text
 //! config::Study ─► check ─► run ─► batch, one folder each ─► Records ─┬► claims ─┐

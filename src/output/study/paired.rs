@@ -54,8 +54,7 @@ impl Repeated {
         }
     }
 
-    /// Confidence interval of the median with the probability `confidence`; [`Self::interval`] where there are no
-    /// rounds.
+    /// Confidence interval of the median with the probability `confidence`, or [`Self::interval`] without rounds.
     pub fn range_at(&self, confidence: f64) -> Result<Interval, String> {
         match &self.rounds {
             Some(rounds) => Interval::of_repeats_at(&rounds.values, confidence),

@@ -114,8 +114,7 @@ fn cell_samples(view: &MatrixView, cell: &CellSpec, share: f64) -> f64 {
     }
 }
 
-/// Measures the cells that `folder` does not have yet and evaluates the study; returns the outcome and the path of the
-/// page.
+/// Measures the cells missing in `folder` and evaluates the study; returns the outcome and the path of the page.
 pub fn run(
     study: &Study,
     backend: &Backend,

@@ -89,8 +89,7 @@ impl<'a> Records<'a> {
         })
     }
 
-    /// Cells of a pick by growing value of an axis. An error where a value occurs twice, a cell has failed or none
-    /// fits.
+    /// Cells of a pick by growing value of an axis. An error where a value occurs twice, a cell failed or none fits.
     pub fn along(&self, pick: &Pick, axis: &str) -> Result<Vec<(f64, Found<'a>)>, String> {
         let (experiment, report, cells) = self.cells(pick)?;
         let mut points = Vec::with_capacity(cells.len());
@@ -121,8 +120,7 @@ impl<'a> Records<'a> {
         }
     }
 
-    /// A quantity of the study (a number of one cell, or the difference of two) with its spread and the cells it is
-    /// from.
+    /// A quantity (a number of one cell, or the difference of two cells) with its spread, and the cells it is from.
     pub fn quantity(&self, quantity: &Quantity) -> Result<(Repeated, Vec<Found<'a>>), String> {
         let found = self.find(&quantity.of)?;
         let value = metric(&found, &quantity.metric)?;

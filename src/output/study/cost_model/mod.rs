@@ -266,8 +266,7 @@ fn typical(errors: &[f64]) -> f64 {
     crate::metrics::summarise(&sizes).map_or(0.0, |s| s.median)
 }
 
-/// R² of the logarithms of (measured, predicted) times; 0 where the measured ones do not vary, −∞ for a prediction of
-/// 0.
+/// R² of the logarithms of (measured, predicted) times; 0 where measured times do not vary, −∞ for a prediction of 0.
 fn r2(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     let n = pairs.clone().count() as f64;
     let mean = pairs.clone().map(|(t, _)| t.ln()).sum::<f64>() / n;
