@@ -1,4 +1,4 @@
-//! Nothing that a record holds is forgotten by a list of names.
+//! Tests that csv, page and charts show every number that a record holds.
 
 use super::fixture::report;
 use super::*;
@@ -10,19 +10,19 @@ use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// A record in which nothing is absent, made of the schema alone.
+/// A record without absent members, generated from its JSON schema.
 fn full() -> Cell {
     let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
     let schema = settings.into_generator().into_root_schema_for::<Cell>();
     let mut count = 0.0;
     let mut value = instance(schema.as_value(), &mut count);
-    // Keys of maps are words that the schema does not list.
+    // The schema does not list the keys of maps.
     let ghosting = json!({"step_deg": 0.25, "step_m": 12.5, "rel_rmse": [0.0, 0.5]});
     value["result"]["reconstruction"]["ghosting"] = json!({"pan": ghosting});
     serde_json::from_value(value).expect("the schema describes the record")
 }
 
-/// Every number another one.
+/// An instance of a schema in which all numbers differ.
 fn instance(schema: &Value, count: &mut f64) -> Value {
     let choices = ["anyOf", "oneOf"]
         .iter()
@@ -59,7 +59,7 @@ fn instance(schema: &Value, count: &mut f64) -> Value {
     }
 }
 
-/// Numbers by their dotted names; those of lists are one for each repeat, and have no column.
+/// Numbers by their dotted names, without those in lists, which have one entry for each repeat and no column.
 fn numbers(value: &Value, name: &str, out: &mut Vec<(String, f64)>) {
     match value {
         Value::Object(members) => members.iter().for_each(|(key, member)| {
@@ -119,7 +119,7 @@ fn every_number_of_a_full_record_has_its_row_and_every_row_its_number() {
     let measured = full().result.expect("numbers");
     let mut expected = Vec::new();
     numbers(&json!(measured), "", &mut expected);
-    // Movements are words of the experiment; pages draw their numbers as curves.
+    // The keys are camera tracks of the experiment; their numbers are drawn as curves.
     expected.retain(|(name, _)| !name.starts_with("reconstruction.ghosting."));
     for (name, value) in &expected {
         let row = rows().iter().find(|row| row.path == name);

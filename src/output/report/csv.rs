@@ -1,4 +1,4 @@
-//! `cells.csv`: one row a cell, every scalar of the record under its dotted name.
+//! `cells.csv`: one row for each cell, every scalar of the record under its dotted name.
 
 use super::fields;
 use crate::batch::numbers::TEMPORAL;
@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// The table as text. Columns: the cell's key, `params.*` and `scene_set.*` as the union over all cells, `failed`, the
-/// measurements, those of temporal integration where a cell has them, `files.*`. A value that a cell does not have is empty.
+/// measurements, those of temporal integration where a cell has them, `files.*`. A missing value is an empty field.
 pub fn cells(report: &Report) -> Result<String> {
     let rows: Vec<BTreeMap<String, String>> = report.cells.iter().map(row).collect();
     let columns = columns(&rows);

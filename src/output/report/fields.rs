@@ -1,4 +1,4 @@
-//! The values of a cell's record by their dotted names, taken from the record's type: no list of names can forget one.
+//! Dotted names of the values in a cell's record, derived from the JSON schema of its type so that none is missing.
 
 use crate::batch::record::Measured;
 use schemars::generate::SchemaSettings;
@@ -7,11 +7,11 @@ use std::sync::LazyLock;
 
 /// A member of [`Measured`], at any depth.
 pub struct RecordField {
-    /// `error.rel_rmse`.
+    /// Dotted name, such as `error.rel_rmse`.
     pub name: String,
-    /// The value may be `null` or absent.
+    /// True where the value may be `null` or absent.
     pub optional: bool,
-    /// One number or text, not a list, a map or a group of members.
+    /// True for a single number or text; false for a list, a map or a group of members.
     pub scalar: bool,
 }
 
@@ -41,7 +41,7 @@ fn walk(schema: &Value, prefix: &str, fields: &mut Vec<RecordField>) {
     }
 }
 
-/// The schema of a value that may also be null, without the null.
+/// Schema of an optional value without its `null` alternative.
 fn something(schema: &Value) -> &Value {
     let choices = schema["anyOf"].as_array().into_iter().flatten();
     let mut choices = choices.filter(|choice| choice["type"] != "null");

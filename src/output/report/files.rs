@@ -1,4 +1,4 @@
-//! Files of a report folder: written in one step, read only inside the folder.
+//! Files of a report folder: replaced atomically, and read only from inside the folder.
 
 use crate::error::{Error, Result};
 use crate::frame::atomic::write_atomic;
@@ -6,7 +6,7 @@ use image::RgbImage;
 use std::io::{Cursor, Write as _};
 use std::path::{Component, Path, PathBuf};
 
-/// Replaces `path` in one step; creates its folder when there is none.
+/// Replaces `path` atomically; creates its folder when there is none.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(Error::writing(folder))?;
@@ -15,7 +15,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     })
 }
 
-/// Writes a set of files into `folder` and removes those of an earlier set, told by how their names begin.
+/// Writes a set of files into `folder` and removes those of an earlier set, recognised by the prefix of their names.
 pub fn replace_all<'a>(
     folder: &Path,
     beginnings: &[&str],
@@ -37,7 +37,7 @@ pub fn replace_all<'a>(
     Ok(())
 }
 
-/// The bytes of a PNG that a record names and its picture, or why there is none.
+/// Bytes of the PNG that a record names and the decoded picture, or the reason why there is none.
 pub fn picture(folder: &Path, name: &str) -> Result<(Vec<u8>, RgbImage), String> {
     let bytes = std::fs::read(inside(folder, name)?).map_err(|e| match e.kind() {
         std::io::ErrorKind::NotFound => format!("`{name}` is not in the report folder"),
@@ -55,7 +55,7 @@ pub fn png(picture: &RgbImage) -> Result<Vec<u8>, image::ImageError> {
     Ok(bytes.into_inner())
 }
 
-/// A record's file path as a path inside `folder`, or why it is refused. The file need not exist.
+/// A record's file path as a path inside `folder`, or the reason why it is refused. The file need not exist.
 pub fn inside(folder: &Path, name: &str) -> Result<PathBuf, String> {
     let refused = || Err(format!("refused: `{name}` leads outside the report folder"));
     let plain = Path::new(name)
@@ -71,7 +71,7 @@ pub fn inside(folder: &Path, name: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// A relative link for an `href` or `src`, percent-encoded so that no character has a meaning of its own.
+/// Relative link for `href` or `src`, with every reserved character percent-encoded.
 pub fn link(name: &str) -> String {
     let mut out = String::from("./");
     for byte in name.bytes() {

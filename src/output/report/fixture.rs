@@ -1,5 +1,5 @@
-//! A made-up report for the tests: two scenes, two suns, six methods, a failed cell, a cell without times, a picture
-//! that is not there, and names that try to break out of the page.
+//! Synthetic report for the tests: two scenes, two suns, six methods, a failed cell, a cell without times, a missing
+//! picture, and names with markup that must be escaped.
 
 use crate::batch::clock::ClockRecord;
 use crate::batch::record::{
@@ -13,7 +13,7 @@ use crate::scene::ImageSize;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// A scene's name that is an attack when it is not escaped.
+/// Scene name that injects a script where it is not escaped.
 pub const HOSTILE: &str = "cumulus <script>alert(\"1\")</script> & 'quotes'";
 /// The adapter of the report.
 pub const ADAPTER: &str = "llvmpipe (LLVM 15.0.6, 256 bits)";
@@ -134,7 +134,7 @@ pub fn report() -> Report {
     }
 }
 
-/// One block a view; the clock of the last had not settled.
+/// One block for each view; the clock of the last one had not settled.
 fn clock() -> Vec<ClockRecord> {
     let views = SCENES.len() * SUNS.len();
     let record = |view: usize| ClockRecord {
@@ -319,7 +319,7 @@ pub fn paint(folder: &Path, report: &Report, without: usize) {
     }
 }
 
-/// Soft blobs: something to look at, not physics.
+/// Smooth test pattern with the look of a cloud; not a physical model.
 fn cloud(x: u32, y: u32, scene: f32) -> f32 {
     let (u, v) = (x as f32 / 320.0, y as f32 / 180.0);
     let blob = |cx: f32, cy: f32, r: f32| {

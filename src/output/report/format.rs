@@ -1,11 +1,11 @@
-//! Numbers as people read them. Nothing here rounds to a false zero, and what is absent is "n/a".
+//! Formats numbers for pages and charts. Small values are never rounded to 0; a missing value is "n/a".
 
 use crate::metrics::{ErrorNumbers, Format, Metric};
 
-/// What stands where there is no number.
+/// Text for a missing number.
 pub const NONE: &str = "n/a";
 
-/// Three significant digits, without an exponent where it stays short.
+/// Text of a number with three significant digits, with an exponent only where it would be long otherwise.
 pub fn number(value: f64) -> String {
     let size = value.abs();
     let text = if value == 0.0 {
@@ -26,7 +26,7 @@ pub fn maybe(value: Option<f64>) -> String {
         .map_or_else(|| NONE.to_owned(), number)
 }
 
-/// A number as its row of the table of numbers says.
+/// A number in the format that its entry in the list of numbers declares.
 pub fn written(format: Format, value: f64) -> String {
     match format {
         Format::Number => number(value),
@@ -38,24 +38,24 @@ pub fn written(format: Format, value: f64) -> String {
     }
 }
 
-/// An error number as pages write it, or "n/a".
+/// An error number in the format of its metric, or "n/a".
 pub fn error(metric: &Metric, numbers: &ErrorNumbers) -> String {
     let value = (metric.get)(numbers).filter(|v| v.is_finite());
     value.map_or_else(|| NONE.to_owned(), |v| written(metric.format, v))
 }
 
-/// A share with its sign, in per cent: `+4.2 %`.
+/// A share as percentage with its sign: `+4.2 %` for 0.042.
 pub fn signed_percent(value: f64) -> String {
     let sign = if value > 0.0 { "+" } else { "" };
     format!("{sign}{} %", number_short(value * 100.0))
 }
 
-/// A share in per cent.
+/// A share as percentage: `4.2 %` for 0.042.
 pub fn percent(value: f64) -> String {
     format!("{} %", number_short(value * 100.0))
 }
 
-/// Two significant digits.
+/// A number with two significant digits.
 fn number_short(value: f64) -> String {
     if value == 0.0 || value.abs() < 1e-2 || value.abs() >= 10.0 {
         return number(value);
@@ -64,7 +64,7 @@ fn number_short(value: f64) -> String {
     format!("{value:.digits$}").replace('-', "−")
 }
 
-/// A time given in milliseconds, from 10 s on in seconds.
+/// A time given in ms; shown in seconds from 10 s on.
 pub fn ms(value: Option<f64>) -> String {
     value.filter(|v| v.is_finite()).map_or_else(
         || NONE.to_owned(),
@@ -91,7 +91,7 @@ pub fn bytes(value: u64) -> String {
     }
 }
 
-/// [`bytes`] of a map; none is said in words.
+/// [`bytes`] of a map, or words for a method without one.
 pub fn map_size(value: u64) -> String {
     match value {
         0 => "no map".to_owned(),
@@ -99,7 +99,7 @@ pub fn map_size(value: u64) -> String {
     }
 }
 
-/// [`map_size`] of a map and bytes of a history, which is named where there is one.
+/// [`map_size`] of a map, followed by the bytes of the history where there is one.
 pub fn memory_size(map: u64, history: u64) -> String {
     match history {
         0 => map_size(map),
@@ -118,7 +118,7 @@ pub fn count(value: u64) -> String {
     }
 }
 
-/// At most `max` characters, the cut shown.
+/// The text cut to at most `max` characters, with an ellipsis where it was cut.
 pub fn shorten(text: &str, max: usize) -> String {
     if text.chars().count() <= max {
         return text.to_owned();

@@ -1,7 +1,7 @@
-//! Records → csv, charts, page.
+//! Reports: writes `report.json`, `cells.csv`, charts, contact sheets and the page from the records of a batch.
 //!
-//! [`write()`] rebuilds a report folder from its records alone, so a folder can be remade from `report.json` at any time
-//! and comes out byte for byte the same:
+//! [`write()`] needs nothing but the records and the pictures that they name, so a folder can be rebuilt from
+//! `report.json` at any time, byte for byte the same:
 //!
 //! ```text
 //! Report ─► records::settle ─► report.json
@@ -11,8 +11,8 @@
 //!                        └──────► page   ◄─────────────────┘─► shell ─► index.html (one file, no network)
 //! ```
 //!
-//! Nothing outside this module names plotters, and nothing but the pages of `study` names maud. Pictures are only read:
-//! they are the files that the records name, inside the folder.
+//! plotters is used only in this module, maud only here and in the pages of `study`. The pictures that the records name
+//! are read from inside the folder and never written.
 
 pub(crate) mod charts;
 mod contact;
@@ -50,8 +50,8 @@ pub use style::{Marker, Style};
 /// Writes `report.json`, `cells.csv`, `charts/*.svg`, the contact sheets `charts/methods-*.png` and `index.html` into
 /// `folder`; returns the path of the page.
 ///
-/// Each file is replaced in one step, so a reader never sees half of one. Charts and sheets of an earlier report that
-/// the records no longer support are removed.
+/// Each file is replaced atomically, so a reader never sees a partly written one. Charts and sheets of an earlier
+/// report for which the records no longer have data are removed.
 pub fn write(folder: &Path, report: &Report) -> Result<PathBuf> {
     let report = records::settle(report, folder)?;
     let json = folder.join("report.json");
@@ -75,8 +75,8 @@ pub fn write(folder: &Path, report: &Report) -> Result<PathBuf> {
     Ok(page)
 }
 
-/// Writes the chart of `probe` to `svg` and its table beside it as `.csv`; see [`Probe`]. `of` says which scene and column
-/// it is, `seen_m` is the depth of the pixel's point, if a pixel was asked for.
+/// Writes the chart of `probe` to `svg` and its table beside it as `.csv`; see [`Probe`]. `of` names scene and column,
+/// `seen_m` is the depth of the pixel's point in the column, m, if a pixel was asked for.
 pub fn write_probe(svg: &Path, probe: &Probe, of: &str, seen_m: Option<f64>) -> Result<()> {
     files::write(&svg.with_extension("csv"), probe.csv().as_bytes())?;
     let chart = charts::probe::chart(probe, of, seen_m).svg()?;

@@ -1,7 +1,7 @@
 //! The Pareto frontier of cost against error.
 
-/// Indices of the points that no other point beats in both coordinates (smaller is better), by growing first
-/// coordinate. Of equal points the first is kept; points that are not finite take no part.
+/// Indices of the Pareto-optimal points (smaller is better in both coordinates), by growing first coordinate. Of equal
+/// points the first is kept; points that are not finite are ignored.
 pub fn frontier(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len())
         .filter(|&i| points[i].0.is_finite() && points[i].1.is_finite())

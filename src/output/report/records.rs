@@ -1,4 +1,4 @@
-//! The records as text: pretty JSON that reads back as the very records it was written from.
+//! Records as pretty JSON that reads back as exactly the records it was written from.
 
 use super::fields;
 use crate::batch::record::{Cell, Measured, Report};
@@ -6,11 +6,11 @@ use crate::error::{Error, Result};
 use serde_json::Value;
 use std::path::Path;
 
-/// How often [`settle`] re-reads: the reader may round a number in its last digit, and once is nearly always enough.
+/// Most re-reads by [`settle`]: the reader may round a number in its last digit; one re-read is nearly always enough.
 const READS: usize = 8;
 
-/// The report as its file will give it back: cells with numbers that JSON cannot hold become failed cells, and every
-/// number is the one that reading the file yields. So charts and page do not change when they are rebuilt from it.
+/// The report as it reads back from its file: cells with numbers that JSON cannot hold become failed cells, and every
+/// number is the one read from the file. Charts and page therefore do not change when they are rebuilt from it.
 pub fn settle(report: &Report, folder: &Path) -> Result<Report> {
     let path = folder.join("report.json");
     let mut settled = report.clone();
@@ -41,7 +41,7 @@ fn unreadable(path: &Path, problem: &serde_json::Error) -> Error {
     )
 }
 
-/// JSON writes NaN and infinity as `null`; where the record demands a number, the cell has failed.
+/// Marks a cell as failed where a required number is NaN or infinite, which JSON writes as `null`.
 fn fail_non_finite(cell: &mut Cell) {
     let Some(measured) = &cell.result else { return };
     let Ok(value) = serde_json::to_value(measured) else {
@@ -60,7 +60,7 @@ fn fail_non_finite(cell: &mut Cell) {
     cell.result = None;
 }
 
-/// Is it a field that a record may leave empty, so that its `null` is no failure?
+/// True for a field that may be `null`, so that its `null` is not an error.
 fn optional(name: &str) -> bool {
     let mut fields = fields::measured().iter();
     fields.any(|field| field.optional && field.name == name)

@@ -1,14 +1,14 @@
-//! The records as charts and page show them.
+//! Report with the reconstruction of each cell as one of its parameters, for charts and page.
 
 use crate::batch::record::Report;
 use serde_json::json;
 use std::borrow::Cow;
 
-/// Name under which it stands there.
+/// Name of that parameter.
 pub const RECONSTRUCT: &str = "reconstruct";
 
-/// The report with [`RECONSTRUCT`] among the parameters of cells where it is not `full`: so it stands wherever settings are
-/// told apart, and nowhere when no cell has it.
+/// The report with [`RECONSTRUCT`] added to the parameters of cells where it is not `full`, so that it appears in the
+/// names of settings; unchanged where all cells are `full`.
 pub fn shown(report: &Report) -> Cow<'_, Report> {
     if report.cells.iter().all(|cell| cell.reconstruct.is_full()) {
         return Cow::Borrowed(report);

@@ -1,11 +1,11 @@
-//! One colour and one marker for a method, everywhere: those that it declares. Where two colours print as the same grey
-//! (CIE L* less than 8 apart), the markers differ, so that charts survive a grey printer and colour-blind eyes.
+//! Colour and marker of each method in all charts, as it declares them. Where two colours have a similar lightness (CIE
+//! L* less than 8 apart), the markers differ, so that charts are readable in greyscale and by colour-blind readers.
 
 pub use crate::occlusion::Marker;
 
 use crate::occlusion;
 
-/// How a method is drawn.
+/// Colour and marker of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
     /// Red, green, blue in sRGB.
@@ -23,12 +23,12 @@ const fn style(rgb: u32, marker: Marker) -> Style {
     }
 }
 
-/// Colours of methods that are not known by name, by growing lightness.
+/// Colours of methods that are not registered, by growing lightness.
 const OTHERS: [u32; 8] = [
     0x5c1a1a, 0x2c4a52, 0x3d5a2a, 0x6b5ca5, 0xb0447a, 0x7f8f2b, 0xd98880, 0x8fb3a3,
 ];
 
-/// Shapes of methods that are not known by name; their number has no factor in common with the colours'.
+/// Shapes of methods that are not registered; their number is coprime to that of the colours, so that all pairs occur.
 const SHAPES: [Marker; 9] = [
     Marker::Hexagon,
     Marker::Down,
@@ -42,8 +42,8 @@ const SHAPES: [Marker; 9] = [
 ];
 
 impl Style {
-    /// The style of a method id: what a registered method says, by a stable hash for others, which a report of another
-    /// program may hold.
+    /// Style of a method id: declared by a registered method, chosen by a stable hash for others, which a report of
+    /// another program may contain.
     pub fn of(method: &str) -> Self {
         if let Ok(known) = occlusion::find(method) {
             let info = known.info();
@@ -53,14 +53,14 @@ impl Style {
         style(OTHERS[slot % OTHERS.len()], SHAPES[slot % SHAPES.len()])
     }
 
-    /// `#rrggbb`.
+    /// CSS colour `#rrggbb`.
     pub fn hex(&self) -> String {
         let (r, g, b) = self.rgb;
         format!("#{r:02x}{g:02x}{b:02x}")
     }
 }
 
-/// 64-bit FNV-1a: small, and the same on every machine and in every version.
+/// 64-bit FNV-1a hash, the same on every machine and in every version.
 fn fnv1a(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| {
         (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)
@@ -68,7 +68,7 @@ fn fnv1a(text: &str) -> u64 {
 }
 
 impl Style {
-    /// Corners around (0, 0) for its marker about `r` in radius; `None` for the disc.
+    /// Corners of the marker around (0, 0), with a radius of about `r`; `None` for the disc.
     pub fn corners(&self, r: f64) -> Option<Vec<(f64, f64)>> {
         Some(match self.marker {
             Marker::Circle => return None,

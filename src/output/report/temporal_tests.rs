@@ -1,4 +1,4 @@
-//! What a report says of cells whose frames are put together.
+//! Tests of reports with cells that are reconstructed from several frames.
 
 use super::fixture::{paint, report};
 use super::*;
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 const HISTORY_BYTES: u64 = 640 * 360 * 72;
 
-/// One cell of the fixture, and the same as a temporal one.
+/// Report with one cell of the fixture, and the same cell with temporal reconstruction.
 fn pair() -> Report {
     let mut report = report();
     report.cells.truncate(1);
@@ -67,7 +67,7 @@ fn chart<'a>(charts: &'a BTreeMap<String, String>, start: &str) -> &'a str {
 
 #[test]
 fn the_frame_is_divided_by_the_full_picture_inside_rounds() {
-    // Ratios 50, 20 and 10 %; those of the medians would be another.
+    // The ratios are 50, 20 and 10 %; the ratio of the medians would differ from their median.
     let (page, _) = written(&pair());
     let row = page.split("id=\"reconstruction\"").nth(1).expect("section");
     assert!(row.contains(">20.0 %<"), "{row}");

@@ -117,7 +117,7 @@ fn charts_name_adapter_scene_and_sun_in_text_large_enough() {
         .filter(|(n, _)| n.ends_with(".svg"))
         .map(|(n, svg)| (n, String::from_utf8(svg).expect("text")))
         .collect();
-    // Of four cases, two have three errors; memory is of the whole report.
+    // There are four cases, two with three errors each; the memory chart shows the whole report.
     for (stem, count) in [
         ("error-time-", 4),
         ("error-bytes-", 4),

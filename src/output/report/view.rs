@@ -1,4 +1,4 @@
-//! The records arranged for a reader: comparable cells together, settings in few words.
+//! View of the records for charts and page: groups of comparable cells, short names of settings.
 
 use super::format::{memory_size, shorten};
 use super::shown::RECONSTRUCT;
@@ -32,7 +32,7 @@ impl Shot<'_> {
         self.time().map(|t| t.median)
     }
 
-    /// Relative error against the truth.
+    /// Relative RMSE against the truth.
     pub fn rel_rmse(&self) -> f64 {
         self.numbers.error.rel_rmse
     }
@@ -42,18 +42,18 @@ impl Shot<'_> {
         self.numbers.memory.map_bytes
     }
 
-    /// Bytes that its frames remember; 0 where each is made of itself alone.
+    /// Bytes of the history; 0 where frames use none.
     pub fn history_bytes(&self) -> u64 {
         let parts = self.numbers.reconstruction.as_ref();
         parts.map_or(0, |parts| parts.history_bytes)
     }
 
-    /// Bytes of both.
+    /// Bytes of map and history.
     pub fn memory_bytes(&self) -> u64 {
         self.map_bytes().saturating_add(self.history_bytes())
     }
 
-    /// Both in words, the history by its name where there is one.
+    /// Text of both sizes; the history is named where there is one.
     pub fn memory(&self) -> String {
         memory_size(self.map_bytes(), self.history_bytes())
     }
@@ -63,15 +63,15 @@ impl Shot<'_> {
 pub struct CellGroup<'a> {
     /// Position in the report, from 1.
     pub number: usize,
-    /// Scene and sun (and what else sets it apart from the other cases).
+    /// Scene and sun, and whatever else distinguishes it from the other cases.
     pub name: String,
-    /// [`Self::name`] with a long name of the scene cut, so that the sun stays in sight.
+    /// [`Self::name`] with a long scene name cut, so that the sun remains readable.
     pub short_name: String,
     /// Name for files and anchors: lower-case letters, digits and hyphens.
     pub slug: String,
     /// Cells of the view in matrix order, failed ones included.
     pub cells: Vec<&'a Cell>,
-    /// The truth it is compared with.
+    /// The truth that its cells are compared with.
     pub reference: Option<&'a Reference>,
     /// Clock of the report.
     pub clock: Clock,
@@ -105,20 +105,20 @@ impl<'a> CellGroup<'a> {
         shots
     }
 
-    /// The difference of the truth's mean radiance at which the false colours end, where the records name it.
+    /// Difference at the ends of the false-colour scale, in units of the truth's mean radiance, where it is recorded.
     pub fn diff_scale(&self) -> Option<f64> {
         let scale = |s: &Shot<'_>| s.numbers.files.get("diff_scale")?.as_f64();
         self.shots().iter().find_map(scale)
     }
 }
 
-/// A report with what charts and page ask of it.
+/// A report arranged for charts and page.
 pub struct ReportView<'a> {
     /// The records.
     pub report: &'a Report,
     /// Comparable cells together, in matrix order.
     pub cases: Vec<CellGroup<'a>>,
-    /// See [`ReportView::varying`].
+    /// Names of varying parameters by method, see [`ReportView::varying`].
     varying: BTreeMap<&'a str, Vec<&'a str>>,
     reconstructions: Vec<&'static ReconstructionInfo>,
     frames: String,
@@ -136,7 +136,7 @@ impl<'a> ReportView<'a> {
                 .map(|c| &c.params)
                 .collect();
             let mut keys = varying_keys(&sets);
-            // A frame that is not the whole picture is always said.
+            // A reconstruction is always part of the setting's name, even where all cells have the same.
             if sets.iter().any(|s| s.contains_key(RECONSTRUCT)) && !keys.contains(&RECONSTRUCT) {
                 keys.push(RECONSTRUCT);
             }
@@ -171,17 +171,17 @@ impl<'a> ReportView<'a> {
         self.report.clock()
     }
 
-    /// The reconstructions of its cells but for `full`, in order of first appearance.
+    /// Reconstructions of the cells other than `full`, in order of first appearance.
     pub fn reconstructions(&self) -> &[&'static ReconstructionInfo] {
         &self.reconstructions
     }
 
-    /// Are pictures of any cell reconstructed?
+    /// True where pictures of any cell are reconstructed.
     pub fn reconstructed(&self) -> bool {
         !self.reconstructions.is_empty()
     }
 
-    /// What [`Shot::time`] is the time of.
+    /// Noun for what [`Shot::time`] measures.
     pub fn timed(&self) -> &'static str {
         if self.reconstructed() {
             "one picture or frame"
@@ -190,12 +190,12 @@ impl<'a> ReportView<'a> {
         }
     }
 
-    /// What a frame is, as a sentence with a blank before it; empty where there are none.
+    /// Sentence on how a frame is rendered, preceded by a blank; empty where no picture is reconstructed.
     pub fn frames(&self) -> &str {
         &self.frames
     }
 
-    /// What [`Shot::memory_bytes`] are the bytes of.
+    /// Noun for what [`Shot::memory_bytes`] counts.
     pub fn remembered(&self) -> &'static str {
         if self.reconstructed() {
             "Map + history"
@@ -209,13 +209,13 @@ impl<'a> ReportView<'a> {
         self.varying.get(method).map_or(&[], Vec::as_slice)
     }
 
-    /// The setting in words that name each parameter: `steps=10 spacing=quadratic`; empty when nothing varies.
+    /// Setting as names and values of the varying parameters: `steps=10 spacing=quadratic`; empty when nothing varies.
     pub fn setting(&self, cell: &Cell) -> String {
         let varying = self.varying(&cell.method).iter();
         pairs(varying.filter_map(|k| Some((*k, cell.params.get(*k)?))))
     }
 
-    /// Method and setting as short as a chart needs it: `srm 10 steps quadratic`.
+    /// Method and setting, abbreviated for charts: `srm 10 steps quadratic`.
     pub fn short(&self, cell: &Cell) -> String {
         self.short_without(cell, &[])
     }
@@ -256,7 +256,7 @@ pub fn pairs<'a>(params: impl Iterator<Item = (&'a str, &'a Value)>) -> String {
     words.join(" ")
 }
 
-/// Every parameter of a cell, in words.
+/// Every parameter of a cell as `key=value key=value`.
 pub fn all_params(cell: &Cell) -> String {
     pairs(cell.params.iter().map(|(k, v)| (k.as_str(), v)))
 }
@@ -272,7 +272,7 @@ pub fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
     out
 }
 
-/// Keys that do not have the same value in all of `sets`; `steps` and `resolution` come first.
+/// Keys whose value differs between `sets`; `steps` and `resolution` come first.
 fn varying_keys<'a>(sets: &[&'a Map<String, Value>]) -> Vec<&'a str> {
     let mut keys = distinct(sets.iter().flat_map(|s| s.keys().map(String::as_str)));
     keys.retain(|k| sets.iter().any(|s| s.get(*k) != sets[0].get(*k)));
@@ -344,7 +344,7 @@ fn case_name(cell: &Cell, scene: &str, firsts: &[&Cell]) -> String {
     name
 }
 
-/// The truth that the cells name; where all failed, the one of the same scene, sun and size.
+/// Truth named by the cells; where all failed, the one of the same scene, sun and image size.
 fn reference<'a>(report: &'a Report, cells: &[&Cell]) -> Option<&'a Reference> {
     let id = cells
         .iter()

@@ -1,36 +1,36 @@
-//! An axis: values to positions, and the ticks that people expect on it.
+//! Axis of a chart: maps values to positions, and places round ticks.
 
 use super::super::format::{bytes, number};
 use super::super::view::distinct;
 
-/// How values are spread along an axis.
+/// Mapping from values to positions on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// From 0.
     Linear,
-    /// Logarithmic; zeros get a place of their own.
+    /// Logarithmic; zeros have a separate position before the scale.
     Log,
-    /// Logarithmic with a tick at each value, for axes with few of them; zeros get a place of their own.
+    /// Logarithmic with a tick at each value, for axes with few values; zeros as with `Log`.
     LogAtValues,
-    /// Logarithmic with ticks at powers of two; zeros get a place of their own.
+    /// Logarithmic with ticks at powers of two; zeros as with `Log`.
     Bytes,
 }
 
-/// An axis that does not know its values yet.
+/// Specification of an axis without its range.
 #[derive(Clone, Debug)]
 pub struct AxisSpec {
     /// Quantity and unit.
     pub title: String,
-    /// How values are spread.
+    /// Mapping from values to positions.
     pub scale: Scale,
-    /// Words at the place of zero.
+    /// Tick label of zero on a logarithmic axis.
     pub zero: &'static str,
-    /// Where a linear axis ends, whatever its values are; `None`: a little past the largest.
+    /// Fixed end of a linear axis; `None`: a little beyond the largest value.
     pub end: Option<f64>,
 }
 
 impl AxisSpec {
-    /// An axis that ends where its values do.
+    /// An axis whose range follows from its values.
     pub fn new(title: impl Into<String>, scale: Scale) -> Self {
         Self {
             title: title.into(),
@@ -48,7 +48,7 @@ impl AxisSpec {
         }
     }
 
-    /// The axis over its values.
+    /// The axis with the range of these values.
     pub fn over(&self, values: &[f64]) -> Axis {
         match (self.scale, self.end) {
             (Scale::Linear, Some(end)) => self.linear(end),
@@ -108,7 +108,7 @@ impl AxisSpec {
     }
 }
 
-/// An axis with its range. A logarithmic axis keeps a separate place for zero when there are zeros.
+/// An axis with its range. A logarithmic axis has a separate position for zero when there are zeros.
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// Quantity and unit.
@@ -117,11 +117,11 @@ pub struct Axis {
     lo: f64,
     hi: f64,
     zero: Option<String>,
-    /// Values that get the ticks instead of round numbers.
+    /// Values with ticks, instead of round numbers.
     marked: Vec<f64>,
 }
 
-/// A tick: where, what is written there, and how much it matters (0 most).
+/// A tick: position, label and priority (0 is highest).
 #[derive(Clone, Debug)]
 pub struct Tick {
     /// Position, 0 to 1.
@@ -132,10 +132,10 @@ pub struct Tick {
     pub rank: u8,
 }
 
-/// Rank of ticks that get a label only on a short axis, where the others are few.
+/// Rank of ticks that get a label only where there are few others.
 pub const CROWDED: u8 = 3;
 
-/// Share of the axis that the place of zero takes, and where in it zero lies.
+/// Share of a logarithmic axis reserved for zero, and position of zero, both 0…1 along the axis.
 const ZERO: (f64, f64) = (0.14, 0.06);
 
 impl Axis {
@@ -155,7 +155,7 @@ impl Axis {
         }
     }
 
-    /// Where the place of zero ends, if the axis has one.
+    /// Position, 0 to 1, where the part reserved for zero ends, if the axis has one.
     pub fn break_at(&self) -> Option<f64> {
         self.zero.as_ref().map(|_| ZERO.0)
     }

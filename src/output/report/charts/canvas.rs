@@ -1,4 +1,4 @@
-//! A sheet in pixels, SVG or raster: lines, shapes and text through plotters.
+//! Drawing surface in pixels, SVG or raster, on plotters: lines, shapes and text.
 
 use super::super::style::Style;
 use super::WIDTH;
@@ -28,14 +28,14 @@ pub const MUTED: RGBColor = RGBColor(0x55, 0x55, 0x55);
 /// Grid lines.
 pub const GRID: RGBColor = RGBColor(0xe3, 0xe0, 0xd8);
 
-/// plotters measures text with this family and writes its name into the SVG, where the reader's own font stands in.
+/// Font family that plotters measures text with and writes into the SVG, where the reader's own font replaces it.
 const FAMILY: &str = "sans-serif";
 /// The SVG backend divides font sizes by this.
 const EM: f64 = 1.24;
-/// Readers' fonts may run wider than the one text is measured with.
+/// Factor for readers' fonts that are wider than the one text is measured with.
 const WIDER: f64 = 1.06;
 
-/// Where text hangs on its point.
+/// Horizontal alignment of text to its point.
 #[derive(Clone, Copy)]
 pub enum Hang {
     /// Starts at the point.
@@ -69,7 +69,7 @@ pub fn sheet(height: i32, draw: impl FnOnce(&Canvas<'_>) -> Result<()>) -> Resul
     Ok(svg)
 }
 
-/// What `measure` says of texts, which only a sheet can measure; nothing is drawn.
+/// Result of `measure` on an empty sheet, since only a sheet can measure text; nothing is drawn.
 pub fn measured<T>(measure: impl FnOnce(&Canvas<'_>) -> Result<T>) -> Result<T> {
     let mut unused = String::new();
     let mut out = None;
@@ -109,7 +109,7 @@ fn on<DB: DrawingBackend>(
     surface.area.present().map_err(|e| defect(&e))
 }
 
-/// Gives plotters a font to measure with: without one even SVG fails.
+/// Registers the font that plotters measures text with, which it needs for SVG as well.
 fn register() -> Result<()> {
     static DONE: OnceLock<bool> = OnceLock::new();
     let done = *DONE.get_or_init(|| {
@@ -128,7 +128,7 @@ fn defect(problem: &dyn std::fmt::Display) -> Error {
     Error::defect("charts", problem)
 }
 
-/// XML has no control characters; a scene's name might.
+/// Text with control characters, which XML does not allow, replaced by U+FFFD.
 fn printable(text: &str) -> String {
     text.chars()
         .map(|c| {
@@ -191,7 +191,7 @@ impl<DB: DrawingBackend> Surface<DB> {
             .map_err(|e| defect(&e))
     }
 
-    /// A method's marker, about `r` in radius; hollow ones keep only the outline.
+    /// A method's marker with a radius of about `r` px; a hollow one is only an outline.
     pub fn marker(&self, at: Px, r: f64, style: Style, hollow: bool) -> Result<()> {
         let color = ink_of(style);
         let (fill, edge, width) = if hollow {
@@ -214,7 +214,7 @@ impl<DB: DrawingBackend> Surface<DB> {
         self.line(&points, edge, width)
     }
 
-    /// Text beside a point, centred on it in height.
+    /// Text beside a point, centred on it vertically.
     pub fn text(&self, at: Px, text: &str, size: f64, color: RGBColor, hang: Hang) -> Result<()> {
         self.write(at, text, font(size).color(&color), hang)
     }
@@ -225,7 +225,7 @@ impl<DB: DrawingBackend> Surface<DB> {
         self.write(at, text, font.color(&INK), hang)
     }
 
-    /// Text with thicker strokes than the one built-in font has, for raster sheets: drawn twice, a little apart.
+    /// Text with thicker strokes for raster sheets, which have only one font weight: drawn twice with a small offset.
     pub fn strong(&self, at: Px, text: &str, size: f64) -> Result<()> {
         self.text(at, text, size, INK, Hang::Right)?;
         self.text(
@@ -237,7 +237,7 @@ impl<DB: DrawingBackend> Surface<DB> {
         )
     }
 
-    /// Text centred on a point and turned to read upwards.
+    /// Text centred on a point and rotated to read upwards.
     pub fn upright(&self, at: Px, text: &str, size: f64) -> Result<()> {
         self.write(
             at,
@@ -259,7 +259,7 @@ impl<DB: DrawingBackend> Surface<DB> {
             .map_err(|e| defect(&e))
     }
 
-    /// Width of a text, px, with some room for the reader's font.
+    /// Width of a text, px, with a margin for the reader's font.
     pub fn width(&self, text: &str, size: f64) -> Result<i32> {
         let key = size.to_bits();
         if let Some((_, _, w)) = self
@@ -281,7 +281,7 @@ impl<DB: DrawingBackend> Surface<DB> {
         Ok(width)
     }
 
-    /// The text, cut where it would be wider than `room` px.
+    /// The text, cut to a width of at most `room` px.
     pub fn fit(&self, text: &str, size: f64, room: i32) -> Result<String> {
         let mut out = text.to_owned();
         let mut kept: Vec<char> = text.chars().collect();

@@ -1,4 +1,4 @@
-//! Charts of the cells of one case, a point for each: one number against another, or against a parameter.
+//! Charts with a point for each cell of one case: one number against another, or against a parameter.
 
 use super::super::pareto::frontier;
 use super::super::style::Style;
@@ -15,7 +15,7 @@ struct Dot<'a> {
     point: Point,
 }
 
-/// One number against another, with the frontier of both and that of the maps alone; `None` when no cell has both.
+/// Scatter chart of two numbers with the Pareto frontiers of all cells and of those with a map; `None` without points.
 pub fn scatter(
     view: &ReportView<'_>,
     case: &CellGroup<'_>,
@@ -70,8 +70,8 @@ fn of_method(dots: &[Dot<'_>], method: &str) -> PointSeries {
     }
 }
 
-/// The frontier of all dots, and that of those with a map where it is not part of it: a method without a map may beat all
-/// that have one, and the reader still wants to know which map is best.
+/// Pareto frontier of all dots, and that of dots with a map where it differs: a method without a map, of cost 0, may
+/// beat all that have one, and the second frontier still shows which map is best.
 fn frontiers(view: &ReportView<'_>, dots: &[Dot<'_>]) -> [PointSeries; 2] {
     let places = |with_map: bool| -> Vec<(f64, f64)> {
         let place = |dot: &Dot<'_>| match with_map && dot.shot.map_bytes() == 0 {
@@ -108,7 +108,7 @@ fn frontiers(view: &ReportView<'_>, dots: &[Dot<'_>]) -> [PointSeries; 2] {
     ]
 }
 
-/// A parameter as the horizontal axis.
+/// Parameter on the horizontal axis.
 pub struct ParamAxis {
     /// Name of the parameter.
     pub param: &'static str,
@@ -118,8 +118,8 @@ pub struct ParamAxis {
     pub note: &'static str,
 }
 
-/// A number over a parameter, one line for each method and remaining setting; `None` when no setting was measured at two
-/// values of it.
+/// Chart of a number over a parameter, one line for each method and remaining setting; `None` when no setting was
+/// measured at two values of it.
 pub fn sweep(
     view: &ReportView<'_>,
     case: &CellGroup<'_>,
@@ -164,14 +164,14 @@ pub fn sweep(
     Some((Data::Plane(plane), over.note.to_owned()))
 }
 
-/// Do two cells differ in nothing but one parameter?
+/// True where two cells differ at most in one parameter.
 fn same_but(a: &Cell, b: &Cell, param: &str) -> bool {
     let [a_others, b_others] =
         [a, b].map(|cell| cell.params.iter().filter(|(key, _)| *key != param));
     a.method == b.method && a_others.eq(b_others)
 }
 
-/// Lines by their label and method, those of one method told apart by their dashes.
+/// Series of lines with label and method; lines of one method differ in their dash patterns.
 pub fn apart<'a>(lines: impl Iterator<Item = (String, &'a str, Vec<Point>)>) -> Vec<PointSeries> {
     let mut methods: Vec<&str> = Vec::new();
     let line = |(label, method, points)| {

@@ -1,5 +1,5 @@
-//! A chart as data: what it shows, its axes, its series or rows. Every chart of the program is one [`Chart`], whoever
-//! makes it (a batch report, a study, the stability sweep, the probe), and [`Chart::svg`] is the one way to draw it.
+//! Description of a chart: title, axes, series or rows. Every chart of the program (of a batch report, a study, the
+//! stability sweep, the probe) is a [`Chart`], drawn by [`Chart::svg`].
 
 use super::super::style::{Marker, Style};
 use super::axis::AxisSpec;
@@ -10,22 +10,22 @@ use super::plot::Key;
 pub struct Chart {
     /// What it shows.
     pub title: String,
-    /// Scene and sun, or whatever it is a chart of: a line below the title.
+    /// Subtitle: scene and sun, or another subject.
     pub of: String,
-    /// What is drawn.
+    /// Axes and data.
     pub data: Data,
-    /// Where the numbers come from, at the foot; empty: nothing.
+    /// Source of the numbers, drawn at the foot; may be empty.
     pub source: String,
-    /// How to read it, at the foot; empty: nothing.
+    /// Note on how to read the chart, drawn at the foot; may be empty.
     pub note: String,
 }
 
-/// What a chart draws.
+/// Axes and data of a chart.
 #[derive(Clone, Debug)]
 pub enum Data {
     /// Two axes.
     Plane(Plane),
-    /// One axis and a row for each thing.
+    /// One axis and labelled rows of bars.
     Rows(Rows),
 }
 
@@ -36,18 +36,18 @@ pub struct Plane {
     pub x: AxisSpec,
     /// The vertical axis.
     pub y: AxisSpec,
-    /// What is drawn, in the order of the legend.
+    /// Series, in the order of the legend.
     pub series: Vec<PointSeries>,
-    /// Values of y with a line across.
+    /// Values of y with a horizontal line.
     pub levels: Vec<f64>,
-    /// Values of x with a line from top to bottom, and what the legend says of each.
+    /// Values of x with a vertical line, and the legend entry of each.
     pub places: Vec<(f64, String)>,
 }
 
-/// Points that look alike.
+/// A series of points in one style.
 #[derive(Clone, Debug)]
 pub struct PointSeries {
-    /// Words of the legend; empty: not in it. Series with the same words share an entry.
+    /// Legend entry; empty: none. Series with the same label share an entry.
     pub label: String,
     /// Colour and marker.
     pub style: Style,
@@ -62,17 +62,17 @@ pub struct PointSeries {
 pub enum Look {
     /// A line with a filled marker at every point.
     Line(Dash),
-    /// A solid line of many points: a filled marker at the point of this index, and then after every so many points.
+    /// A solid line of many points with filled markers: index of the first marked point, and points per marker.
     Sparse(usize, usize),
-    /// A line without markers, so many px wide.
+    /// A line without markers, with its width in px.
     Bare(Dash, u32),
-    /// Filled markers alone.
+    /// Filled markers without a line.
     Points,
-    /// Hollow markers alone.
+    /// Hollow markers without a line.
     Hollow,
-    /// Hollow markers on a thin dotted line: published, not measured.
+    /// Hollow markers on a thin dotted line, for published values.
     Published,
-    /// A frontier: at each x the smallest y that can be had for it, as a staircase. True: with a ring around each point.
+    /// A Pareto frontier as a staircase: at each x the smallest y of all points up to it. True: with rings on points.
     Frontier(bool),
     /// Filled columns from the foot of the plot, each over its range of x.
     Columns,
@@ -85,18 +85,18 @@ pub enum Look {
 pub struct Point {
     /// Horizontal value.
     pub x: f64,
-    /// Vertical value. One that is not finite breaks the line and is marked under the upper edge.
+    /// Vertical value. A value that is not finite interrupts the line and is marked under the upper edge.
     pub y: f64,
     /// Smallest and largest plausible x.
     pub x_range: Option<[f64; 2]>,
     /// Smallest and largest plausible y.
     pub y_range: Option<[f64; 2]>,
-    /// Words beside it, where there is room.
+    /// Label beside the point, drawn where there is room.
     pub label: String,
 }
 
 impl Point {
-    /// A point without a spread.
+    /// A point without ranges and label.
     pub fn at(x: f64, y: f64) -> Self {
         Self {
             x,
@@ -106,7 +106,7 @@ impl Point {
     }
 }
 
-/// Lengths of a line that are drawn and skipped in turn, px; none: a solid line.
+/// Dash pattern: lengths drawn and skipped in turn, px; empty: a solid line.
 pub type Dash = &'static [f64];
 
 /// A solid line.
@@ -124,26 +124,26 @@ const DASHES: [Dash; 5] = [
     &[14.0, 5.0],
 ];
 
-/// What tells the lines of one method apart, by their rank among them.
+/// Dash pattern of the line with this rank among those of one method.
 pub fn dash(rank: usize) -> Dash {
     DASHES[rank % DASHES.len()]
 }
 
-/// A chart with one axis and a row for each thing.
+/// A chart with one axis and labelled rows of bars.
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// The horizontal axis.
     pub axis: AxisSpec,
-    /// What marks mean.
+    /// Entries of the legend.
     pub keys: Vec<(Key, String)>,
     /// Rows from top to bottom.
     pub rows: Vec<ChartRow>,
 }
 
-/// What is known of one thing.
+/// One row: a label with its bars.
 #[derive(Clone, Debug)]
 pub struct ChartRow {
-    /// Words at the left.
+    /// Label at the left.
     pub label: String,
     /// Colour and marker.
     pub style: Style,
@@ -154,25 +154,25 @@ pub struct ChartRow {
 /// One bar of a row.
 #[derive(Clone, Debug)]
 pub struct Bar {
-    /// What it is, where a row has several; else empty.
+    /// Name of the bar, where a row has several; else empty.
     pub name: &'static str,
     /// How it is drawn.
     pub shape: Shape,
-    /// The number in words.
+    /// Text of the number at the bar's end.
     pub text: String,
 }
 
 /// How a bar is drawn.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// From 0: parts by their right ends and opacities, then smallest and largest plausible value of the whole.
+    /// Stacked parts from 0, each with its right end and opacity, then the lower and upper end of the total's range.
     Parts(Vec<(f64, f64)>, Option<[f64; 2]>),
-    /// A hollow marker, and a filled one at the other end of a line.
+    /// A hollow marker and a filled one, joined by a line.
     Pair(f64, f64),
 }
 
 impl Shape {
-    /// Every value of the axis that it reaches.
+    /// All values that the axis must include.
     pub(super) fn values(&self) -> Vec<f64> {
         match self {
             Self::Parts(parts, range) => {
@@ -184,7 +184,7 @@ impl Shape {
     }
 }
 
-/// The style of what belongs to no method.
+/// Style of series and rows that belong to no method.
 pub const GREY: Style = Style {
     rgb: (0x55, 0x55, 0x55),
     marker: Marker::Circle,

@@ -1,4 +1,4 @@
-//! A [`Chart`] as SVG: title, legend, data and foot, on a sheet as high as they need.
+//! Draws a [`Chart`] as SVG: title, legend, data and foot, on a sheet of the height that they need.
 
 use super::canvas::{measured, sheet};
 use super::chart::{Chart, Data};
@@ -30,7 +30,7 @@ impl Chart {
         Ok(Some(svg))
     }
 
-    /// Draws title and legend; returns where the data may start.
+    /// Draws title and legend; returns the row where the data start, px.
     fn head(&self, canvas: &super::canvas::Canvas<'_>, keys: &[(Key, String)]) -> Result<i32> {
         let top = title(canvas, &self.title, &self.of)?;
         if keys.is_empty() {

@@ -1,4 +1,4 @@
-//! The three errors of each cell beside their total, in groups: RMSEs do not add, so nothing is stacked.
+//! Grouped bars of the three errors of each cell and their total; not stacked, since RMSEs do not add up.
 
 use super::super::format::number;
 use super::super::style::Style;
@@ -7,7 +7,7 @@ use super::axis::{AxisSpec, Scale};
 use super::chart::{Bar, ChartRow, Data, Rows, Shape};
 use crate::batch::record::{Cell, Decomposition};
 
-/// Cells a chart may have before only the first are shown.
+/// Largest number of cells in a chart; of more, only the first are shown.
 const MOST: usize = 24;
 
 /// The bars of every cell; `None` when no cell was decomposed.

@@ -1,4 +1,4 @@
-//! Ghosting: what frames that know of those before add to the error of each frame of a moving camera.
+//! Chart of ghosting: error of each frame of a moving camera, reconstructed with a history, against its full render.
 
 use super::super::format::number;
 use super::super::view::{CellGroup, ReportView, Shot};
@@ -8,7 +8,7 @@ use super::chart::{Data, Plane, Point};
 use crate::batch::record::{Ghosting, Measured};
 use crate::scene::CameraTrack;
 
-/// The curves of one movement; `None` when no cell was measured along it.
+/// Curves of one camera track; `None` when no cell was measured along it.
 pub fn data(
     view: &ReportView<'_>,
     case: &CellGroup<'_>,
@@ -43,7 +43,7 @@ fn curve(numbers: &Measured, track: CameraTrack) -> Option<&Ghosting> {
     numbers.reconstruction.as_ref()?.ghosting.get(&track)
 }
 
-/// How the camera moves from frame to frame, in words.
+/// Text on the camera's step from frame to frame.
 pub fn motion(curve: &Ghosting) -> String {
     match (curve.step_deg, curve.step_m) {
         (Some(step_deg), _) => format!("A turn of {}° a frame: one pixel.", number(step_deg)),

@@ -1,18 +1,18 @@
-//! Labels beside points, placed so that they cover neither one another nor the points.
+//! Places labels beside points so that they cover neither one another nor the points.
 
 use super::canvas::Px;
 
 /// Left, top, right, bottom in px.
 type Box4 = [i32; 4];
 
-/// Keeps account of what is already drawn in a plot.
+/// Occupied rectangles of a plot, for placing labels.
 pub struct Placer {
     bounds: Box4,
     taken: Vec<Box4>,
     lines: Vec<Box4>,
 }
 
-/// Where a label goes.
+/// Position of a label.
 pub struct Placed {
     /// Left end of the text, centred in height.
     pub text: Px,
@@ -34,13 +34,13 @@ impl Placer {
         }
     }
 
-    /// Keeps a square around a point free.
+    /// Keeps the square of this half-width around a point free of labels.
     pub fn keep_free(&mut self, (x, y): Px, radius: i32) {
         self.taken
             .push([x - radius, y - radius, x + radius, y + radius]);
     }
 
-    /// Keeps labels off a line of upright and level pieces, as long as there is room elsewhere.
+    /// Keeps labels off a line of horizontal and vertical segments, as long as there is room elsewhere.
     pub fn avoid_line(&mut self, points: &[Px]) {
         for pair in points.windows(2) {
             let (a, b) = (pair[0], pair[1]);

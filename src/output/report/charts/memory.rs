@@ -1,4 +1,4 @@
-//! Memory: what the values need against what the textures take.
+//! Chart of map memory: bytes of the stored values (payload) against bytes of the allocated textures.
 
 use super::super::format::bytes;
 use super::super::style::Style;
@@ -8,7 +8,7 @@ use super::chart::{self, Bar, Data, GREY, Rows, Shape};
 use super::plot::Key;
 use crate::cost::Memory;
 
-/// Rows beyond this are left to the table.
+/// Largest number of rows; further ones are only in the table.
 const MOST: usize = 60;
 
 /// One method at one resolution and storage.

@@ -1,11 +1,11 @@
 //! The charts of a report.
 //!
-//! A chart is data ([`chart::Chart`]): title, axes, series or rows. One function draws them all, so sizes, dashes, legends
-//! and number formats are decided once, for batch reports, studies, the stability sweep and the probe.
+//! A chart is data ([`chart::Chart`]): title, axes, series or rows. One function draws them all, so sizes, dashes,
+//! legends and number formats are decided once, for batch reports, studies, the stability sweep and the probe.
 //!
-//! To add a chart to batch reports, add a row to [`CHARTS`]. Two numbers of a cell against each other, or a number over a
-//! parameter, need no more ([`numbers`] has the numbers); a chart that arranges its data in another way has a file here
-//! with a function that returns [`Data`]. A chart without data is not made.
+//! To add a chart to batch reports, add a row to [`CHARTS`]. Two numbers of a cell against each other, or a number over
+//! a parameter, need no more ([`numbers`] has the numbers); a chart that arranges its data in another way has a file
+//! here with a function that returns [`Data`]. A chart without data is not made.
 
 pub mod axis;
 pub mod canvas;
@@ -33,17 +33,17 @@ use numbers::{ERROR, MEMORY, Number, TIME};
 /// Width of every chart in pixels; text is at least 12 px at this width.
 pub const WIDTH: i32 = 700;
 
-/// A chart of batch reports.
+/// Kind of chart of batch reports.
 struct ChartKind {
-    /// How its files' names begin.
+    /// Prefix of its files' names.
     stem: &'static str,
     /// What it shows.
     title: &'static str,
-    /// Where its data come from.
+    /// Source of its data.
     source: Source,
 }
 
-/// Where the data of a chart come from, with a line on how to read them; no data, no chart.
+/// Source of the data of a chart and of its note on how to read it. A chart without data is not drawn.
 enum Source {
     /// For each case: one number against another, a point for each cell, and the frontier of both.
     Cells(&'static Number, &'static Number),
@@ -118,14 +118,14 @@ const CHARTS: &[ChartKind] = &[
     },
 ];
 
-/// What a chart of the whole report is a chart of.
+/// Subtitle of charts of the whole report.
 const WHOLE: &str = "all scenes and suns";
 
 /// A drawn chart of a report.
 pub struct Drawing {
     /// File name inside `charts/`.
     pub file: String,
-    /// What it shows, of which scene and sun.
+    /// Title with scene and sun.
     pub title: String,
     /// [`CellGroup::number`] of the case it shows; `None` for a chart of the whole report.
     pub case: Option<usize>,
@@ -133,7 +133,7 @@ pub struct Drawing {
     pub svg: String,
 }
 
-/// How the names of all charts begin.
+/// Prefixes of the file names of all charts.
 pub fn kinds() -> impl Iterator<Item = &'static str> {
     CHARTS.iter().map(|kind| kind.stem)
 }
@@ -147,7 +147,7 @@ pub fn all(view: &ReportView<'_>) -> Result<Vec<Drawing>> {
 }
 
 impl ChartKind {
-    /// The chart of one case or, without one, of the whole report; `None` where it is not such a chart or has no data.
+    /// The chart of one case or, without one, of the whole report; `None` where the kind does not apply or has no data.
     fn draw(&self, view: &ReportView<'_>, case: Option<&CellGroup<'_>>) -> Result<Option<Drawing>> {
         let data = match (&self.source, case) {
             (Source::Cells(x, y), Some(case)) => cells::scatter(view, case, [x, y]),

@@ -1,9 +1,9 @@
-//! Numbers of a cell as axes of charts.
+//! Numbers of a cell that charts have axes for: time, memory, error.
 
 use super::super::view::{ReportView, Shot};
 use super::axis::{AxisSpec, Scale};
 
-/// Smallest and largest value over the repeats, where there are several.
+/// Minimum and 95th percentile over the repeats, for numbers that were measured repeatedly.
 pub type Range = Option<[f64; 2]>;
 
 /// A number that every cell may have.
@@ -14,11 +14,11 @@ pub struct Number {
     pub of: fn(&Shot<'_>) -> Option<(f64, Range)>,
     /// A sentence on how to read it in a scatter chart; may be empty.
     pub note: fn(&ReportView<'_>) -> String,
-    /// What a cell is without that has no such number.
+    /// Noun for what a cell lacks that has no such number.
     pub without: &'static str,
 }
 
-/// Time of one picture by the report's clock.
+/// Time of one picture by the report's clock, ms.
 pub const TIME: Number = Number {
     axis: |view| {
         let clock = view.clock().name();
@@ -39,7 +39,7 @@ pub const TIME: Number = Number {
     without: "timestamps",
 };
 
-/// Bytes of the map and of the history.
+/// Memory of the map and of the history, bytes.
 pub const MEMORY: Number = Number {
     axis: |view| {
         let (title, zero) = match view.reconstructed() {
@@ -70,7 +70,7 @@ pub const MEMORY: Number = Number {
     without: "a map",
 };
 
-/// Error against the truth.
+/// Relative RMSE against the truth.
 pub const ERROR: Number = Number {
     axis: |_| AxisSpec::new("relative RMSE against the truth (log)", Scale::Log),
     of: |shot| Some((shot.rel_rmse(), None)),

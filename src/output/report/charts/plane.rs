@@ -1,4 +1,4 @@
-//! Draws what has two axes: fills below, then lines, ranges, markers and labels, so that no marker lies under a line.
+//! Draws a chart with two axes: fills first, then lines, ranges, markers and labels, so that no line covers a marker.
 
 use super::super::style::{Marker, Style};
 use super::canvas::{Canvas, GRID, Hang, INK, MUTED, Px, SMALL, ink_of};
@@ -10,23 +10,23 @@ use plotters::style::Color as _;
 
 /// Height of every plot, px.
 pub const HEIGHT: i32 = 320;
-/// Room for the vertical axis, px.
+/// Width of the vertical axis with its labels, px.
 const LEFT: i32 = 84;
 /// Height of a strip under the upper edge, px.
 const STRIP: i32 = 7;
-/// Opacity of a strip, and of the bar of a range.
+/// Opacity of a strip ([`PALE`]) and of the bar of a range ([`RANGE`]).
 const PALE: f64 = 0.5;
 const RANGE: f64 = 0.75;
 /// Widest label, px.
 const WIDEST: i32 = 220;
-/// Marks values that are not finite.
+/// Style of marks for values that are not finite.
 const NOT_FINITE: Style = Style {
     rgb: (0xa3, 0x21, 0x0f),
     marker: Marker::Cross,
 };
 
 impl Plane {
-    /// Is there anything to draw?
+    /// True where a series has points.
     pub(super) fn has_points(&self) -> bool {
         self.series.iter().any(|series| !series.points.is_empty())
     }
@@ -36,7 +36,7 @@ impl Plane {
     }
 }
 
-/// Entries of the legend, none twice.
+/// Entries of the legend without duplicates.
 pub fn keys(plane: &Plane) -> Vec<(Key, String)> {
     let mut keys: Vec<(Key, String)> = Vec::new();
     for series in &plane.series {
@@ -92,7 +92,7 @@ pub fn draw(canvas: &Canvas<'_>, plane: &Plane, top: i32, height: i32) -> Result
     labels(canvas, &plot, plane)
 }
 
-/// Columns from the foot and strips under the upper edge.
+/// Draws columns from the foot and strips under the upper edge.
 fn fills(canvas: &Canvas<'_>, plot: &Plot, series: &PointSeries) -> Result<()> {
     let [_, top, _, bottom] = plot.bounds;
     for point in &series.points {
@@ -109,7 +109,7 @@ fn fills(canvas: &Canvas<'_>, plot: &Plot, series: &PointSeries) -> Result<()> {
     Ok(())
 }
 
-/// Lines at values of one axis.
+/// Draws lines at values of one axis.
 fn rules(canvas: &Canvas<'_>, plot: &Plot, plane: &Plane) -> Result<()> {
     let [left, top, right, bottom] = plot.bounds;
     for level in &plane.levels {
@@ -143,7 +143,7 @@ fn lines(canvas: &Canvas<'_>, plot: &Plot, series: &PointSeries) -> Result<()> {
         .try_for_each(|path| canvas.dashed(path, color, width, dash))
 }
 
-/// The line of a series in pieces without holes.
+/// The line of a series, split where a value is not finite.
 fn paths(plot: &Plot, series: &PointSeries) -> Vec<Vec<Px>> {
     if let Look::Frontier(_) = series.look {
         return vec![stairs(plot, &series.points)];
@@ -153,7 +153,7 @@ fn paths(plot: &Plot, series: &PointSeries) -> Vec<Vec<Px>> {
     pieces.filter(|piece| !piece.is_empty()).map(path).collect()
 }
 
-/// A staircase: at each x, the smallest y that can be had for it.
+/// Staircase of a frontier: at each x the smallest y of all points up to it.
 fn stairs(plot: &Plot, points: &[Point]) -> Vec<Px> {
     let mut path: Vec<Px> = Vec::new();
     for at in points.iter().map(|point| at(plot, point)) {
@@ -164,7 +164,7 @@ fn stairs(plot: &Plot, points: &[Point]) -> Vec<Px> {
     path
 }
 
-/// Bars from the smallest to the largest plausible value, with ends.
+/// Draws bars with ends from the lower to the upper end of each range.
 fn ranges(canvas: &Canvas<'_>, plot: &Plot, series: &PointSeries) -> Result<()> {
     if matches!(series.look, Look::Columns | Look::Strip) {
         return Ok(());
@@ -213,7 +213,7 @@ fn marks(canvas: &Canvas<'_>, plot: &Plot, series: &PointSeries) -> Result<()> {
     Ok(())
 }
 
-/// Words beside points, off other points and, while there is room, off lines.
+/// Draws labels beside points so that they cover no points and, where possible, no lines.
 fn labels(canvas: &Canvas<'_>, plot: &Plot, plane: &Plane) -> Result<()> {
     if plane.points().all(|point| point.label.is_empty()) {
         return Ok(());

@@ -1,4 +1,4 @@
-//! The parts all charts share: title, legend, axes with grid, lines at the foot.
+//! Parts that all charts share: title, legend, axes with grid, lines at the foot.
 
 use super::super::style::Style;
 use super::WIDTH;
@@ -15,28 +15,28 @@ const UNDER: i32 = 48;
 /// Room for the two caption lines.
 const CAPTION: i32 = 44;
 
-/// What stands before an entry of the legend.
+/// Symbol of a legend entry.
 #[derive(Clone, Debug)]
 pub enum Key {
     /// A method's marker.
     Marker(Style),
     /// A method's marker without filling.
     Hollow(Style),
-    /// A line of a method's colour, and whether its marker is on it.
+    /// A line of a method's colour; true: with its marker.
     Line(Style, Dash, bool),
-    /// A thin grey line, and whether a ring is on it.
+    /// A thin grey line; true: with a ring.
     Thin(Dash, bool),
-    /// A box of one colour, this opaque.
+    /// A box with this colour and opacity, 0…1.
     Swatch(RGBColor, f64),
 }
 
-/// Pattern of the frontier's line.
+/// Dash pattern of the frontier's line, px.
 pub const FRONTIER_DASH: Dash = &[5.0, 4.0];
 
 /// Room below a plot, px: tick labels, axis title, lines at the foot.
 pub const BELOW: i32 = UNDER + CAPTION;
 
-/// Draws the title, what is shown and of which scene and sun; returns where the next thing may start.
+/// Draws the title `what` and below it scene and sun (`of`); returns the next free row, px.
 pub fn title(canvas: &Canvas<'_>, what: &str, of: &str) -> Result<i32> {
     canvas.bold((MARGIN, 20), what, TITLE, Hang::Right)?;
     let of = canvas.fit(of, TEXT, WIDTH - 2 * MARGIN)?;
@@ -44,7 +44,7 @@ pub fn title(canvas: &Canvas<'_>, what: &str, of: &str) -> Result<i32> {
     Ok(58)
 }
 
-/// Draws the legend in as many rows as it takes; returns where the next thing may start.
+/// Draws the legend in as many rows as needed; returns the next free row, px.
 pub fn legend(canvas: &Canvas<'_>, top: i32, entries: &[(Key, String)]) -> Result<i32> {
     let (mut x, mut y) = (MARGIN, top + 9);
     for (key, text) in entries {
@@ -91,7 +91,7 @@ fn draw_key(canvas: &Canvas<'_>, (x, y): Px, key: &Key) -> Result<()> {
     }
 }
 
-/// Two lines at the foot: where the numbers come from, and a note. What is empty is left out.
+/// Draws two lines at the foot: the source of the numbers, and a note. An empty line is left out.
 pub fn foot(canvas: &Canvas<'_>, source: &str, height: i32, note: &str) -> Result<()> {
     for (text, y) in [(source, height - 32), (note, height - 14)] {
         if !text.is_empty() {
@@ -132,7 +132,7 @@ impl Plot {
         bottom - (self.y.at(value) * f64::from(bottom - top)).round() as i32
     }
 
-    /// The line right of the place of zero on the x axis, if there is one.
+    /// Line right of the separate position of zero on the x axis, if there is one.
     pub fn break_line(&self) -> Vec<Px> {
         let [left, top, right, bottom] = self.bounds;
         let x = |share: f64| left + (share * f64::from(right - left)).round() as i32;
@@ -208,7 +208,7 @@ impl Plot {
     }
 }
 
-/// Ticks that may get a label, the ones that matter most first: four or more of those leave no room for the rest.
+/// Ticks that may get a label, by rank; those of rank [`CROWDED`] only where there are fewer than four others.
 fn by_rank(ticks: &[Tick]) -> Vec<&Tick> {
     let few = ticks.iter().filter(|t| t.rank < CROWDED).count() < 4;
     let mut out: Vec<&Tick> = ticks.iter().filter(|t| few || t.rank < CROWDED).collect();

@@ -1,4 +1,4 @@
-//! T(d) of every method along one light column.
+//! Chart of transmittance T(d) of every method along one light column.
 
 use super::super::format::number;
 use super::super::style::Style;
@@ -6,14 +6,14 @@ use super::axis::AxisSpec;
 use super::chart::{Chart, Data, GREY, Look, Plane, Point, PointSeries, SOLID};
 use crate::probe::{MethodCurve, Probe};
 
-/// Depths between two markers of a curve.
+/// Number of depths between two markers of a curve.
 const MARKED: usize = 64;
 /// Share of the plot's height that the largest extinction takes.
 const PROFILE: f64 = 0.25;
 /// T at the upper edge.
 const UPPER: f64 = 1.05;
 
-/// The chart; `of` says which scene and column, `seen_m` is the depth of the pixel's point, if a pixel was asked for.
+/// The chart; `of` names scene and column, `seen_m` is the depth of the pixel's point, m, if a pixel was asked for.
 pub fn chart(probe: &Probe, of: &str, seen_m: Option<f64>) -> Chart {
     let tau = -probe.truth.last().copied().unwrap_or(1.0).ln();
     let mut series = vec![PointSeries {
@@ -52,7 +52,7 @@ fn points(probe: &Probe, values: &[f64]) -> Vec<Point> {
     pairs.map(|(depth, t)| Point::at(*depth, *t)).collect()
 }
 
-/// A method's curve, its markers shifted so that those of equal curves stay apart.
+/// A method's curve, its markers offset so that those of coinciding curves do not overlap.
 fn curve(probe: &Probe, i: usize) -> PointSeries {
     let curve = &probe.curves[i];
     PointSeries {
@@ -63,7 +63,7 @@ fn curve(probe: &Probe, i: usize) -> PointSeries {
     }
 }
 
-/// Where a series is outside, and the point where a clamp sets in.
+/// Strip over depths where T rises or τ̂ exceeds the column's τ, and the point from which min(D_max, ·) sets in.
 fn marks(probe: &Probe, curve: &MethodCurve) -> Vec<PointSeries> {
     let style = Style::of(curve.method);
     let pairs = probe.depths_m.windows(2).enumerate();

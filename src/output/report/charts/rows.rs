@@ -1,4 +1,4 @@
-//! Draws what has a row for each thing: its marker and words at the left, bars over one axis at the right.
+//! Draws a chart of rows: marker and label at the left, bars over one axis at the right.
 
 use super::WIDTH;
 use super::axis::Scale;
@@ -10,17 +10,18 @@ use plotters::style::{Color as _, WHITE};
 
 /// Height of one bar with its gap, px.
 const BAR: i32 = 17;
-/// Half the height of a bar's filling, px.
+/// Half the height of a bar's fill, px.
 const HALF: i32 = 7;
-/// Space between rows of one bar and of several, px.
+/// Gap between rows of one bar and between rows of several, px.
 const GAPS: [i32; 2] = [6, 16];
-/// Space below the last row, px.
+/// Gap below the last row, px.
 const LAST: i32 = 8;
-/// Room for the marker before the label of a row, px.
+/// Width of the marker before the label of a row, px.
 const LEAD: i32 = 18;
-/// Room for the names of bars, px.
+/// Width of the names of bars, px.
 const NAMES: i32 = 74;
-/// A linear axis ends so much beyond its largest value, for the numbers at the bars' ends.
+/// Factor on the values of a linear axis: it ends at 1.16 instead of 1.05 times the largest, for the numbers at the
+/// bars' ends.
 const BEYOND: f64 = 1.16 / 1.05;
 
 /// Height of all rows, px.
@@ -62,7 +63,7 @@ pub fn draw(canvas: &Canvas<'_>, data: &Rows, top: i32, height: i32) -> Result<(
     canvas.line(&[(left, top), (left, bottom)], INK, 1)
 }
 
-/// Room that the labels need at the left, px: no more than a third of the sheet.
+/// Width of the labels at the left, px, at most a third of the sheet.
 fn label_room(canvas: &Canvas<'_>, rows: &[ChartRow]) -> Result<i32> {
     let mut widest = 0;
     for row in rows {
@@ -110,7 +111,7 @@ fn draw_bar(canvas: &Canvas<'_>, plot: &Plot, row: &ChartRow, bar: &Bar, y: i32)
     }
 }
 
-/// Parts from the left axis on; returns where they end.
+/// Draws the parts of a bar from the left axis on; returns the column where they end, px.
 fn draw_parts(
     canvas: &Canvas<'_>,
     plot: &Plot,
@@ -132,7 +133,7 @@ fn draw_parts(
     Ok(from)
 }
 
-/// The range of the whole, dark on a white rim so that it shows on any colour.
+/// Draws the range of the total, dark with a white rim so that it is visible on any colour.
 fn whisker(canvas: &Canvas<'_>, [a, b]: [i32; 2], y: i32) -> Result<()> {
     let lines = [
         [(a, y), (b, y)],
@@ -145,7 +146,7 @@ fn whisker(canvas: &Canvas<'_>, [a, b]: [i32; 2], y: i32) -> Result<()> {
     lines.iter().try_for_each(|line| canvas.line(line, INK, 1))
 }
 
-/// The number right of a bar, or inside it on a patch of white where there is no room.
+/// Draws the number right of a bar, or inside it on white where there is no room.
 fn number_after(canvas: &Canvas<'_>, plot: &Plot, (end, y): Px, text: &str) -> Result<()> {
     let width = canvas.width(text, SMALL)?;
     if end + 8 + width < plot.bounds[2] {
@@ -155,7 +156,7 @@ fn number_after(canvas: &Canvas<'_>, plot: &Plot, (end, y): Px, text: &str) -> R
     canvas.text((end - 9, y), text, SMALL, INK, Hang::Left)
 }
 
-/// The number right of what lies between two ends, or left of it where there is no room.
+/// Draws the number right of the span between two ends, or left of it where there is no room.
 fn number_beside(
     canvas: &Canvas<'_>,
     plot: &Plot,

@@ -1,4 +1,4 @@
-//! Time of each cell, split into map, march and reconstruction where a device timed them.
+//! Chart of the time of each cell, split into map, march and reconstruction passes where the device timed them.
 
 use super::super::format::ms;
 use super::super::style::Style;
@@ -9,10 +9,10 @@ use super::chart::{Bar, ChartRow, Data, Rows, Shape};
 use super::plot::Key;
 use crate::batch::record::Clock;
 
-/// Opacity of the parts of a bar that are not the march.
+/// Opacity of the map and reconstruction parts of a bar; that of the march is 1.
 const MAP_SHADE: f64 = 0.25;
 const RECONSTRUCT_SHADE: f64 = 0.55;
-/// Rows a chart may have before only the fastest are shown.
+/// Largest number of rows in a chart; of more, only the fastest are shown.
 const MOST: usize = 60;
 
 /// Times as bars; `None` when no cell has a time.
@@ -65,7 +65,7 @@ fn keys(view: &ReportView<'_>, shots: &[Shot<'_>]) -> Vec<(Key, String)> {
     keys.into_iter().map(key).collect()
 }
 
-/// The pass that adds what was not marched, ms; 0 where there is none or nothing but the whole was timed.
+/// Time of the reconstruction pass, ms; 0 where there is none or only the total was timed.
 fn reconstruct_ms(shot: &Shot<'_>) -> f64 {
     match shot.clock {
         Clock::Device => shot.numbers.time_ms.reconstruct.map_or(0.0, |t| t.median),
@@ -79,7 +79,7 @@ fn row(view: &ReportView<'_>, shot: &Shot<'_>) -> Option<ChartRow> {
         Clock::Device => shot.numbers.time_ms.generate.map_or(0.0, |t| t.median),
         Clock::Wall => 0.0,
     };
-    // Medians of passes need not add up to that of the whole: the march takes what is left.
+    // Medians of passes need not add up to the median total: the march gets the remainder.
     let map_end = map_ms.min(total.median);
     let march_end = (total.median - reconstruct_ms(shot)).max(map_end);
     let parts = vec![

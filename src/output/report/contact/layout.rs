@@ -1,34 +1,34 @@
-//! Where everything is on a contact sheet, px. Gaps and type are given in units that grow with the tiles.
+//! Layout of a contact sheet, px. Gaps and font sizes are given in units that scale with the tiles.
 
 use image::RgbImage;
 
-/// Tiles beside each other; as many rows as it takes, filled as evenly as they go.
+/// Largest number of tiles in a row; the tiles are spread evenly over the rows.
 const COLUMNS: usize = 4;
-/// Width of a tile at least, by whole-number enlargement, px.
+/// Smallest width of a picture, px; narrower ones are enlarged by a whole number.
 const NARROWEST: u32 = 240;
 /// Width and height that a larger picture is shrunk to fit, px.
 const ROOM: (u32, u32) = (480, 960);
-/// Width of a tile on which a unit is a pixel.
+/// Width of a tile at which one unit is one pixel, px.
 const USUAL: f64 = 320.0;
-/// Text is drawn this many times larger and shrunk, because the rasteriser puts letters at whole pixels.
+/// Supersampling factor of text, because the rasteriser places letters at whole pixels.
 pub const FINER: u32 = 3;
 
 /// Margin of the sheet, units.
 pub const MARGIN: f64 = 14.0;
-/// Room for the title, units.
+/// Height of the title, units.
 pub const TOP: f64 = 48.0;
-/// Room for the last two lines, units.
+/// Height of the last two lines, units.
 pub const FOOT: f64 = 50.0;
-/// Room for the two lines over a picture, units.
+/// Height of the two lines over a picture, units.
 pub const HEAD: f64 = 58.0;
-/// Between tiles, units.
+/// Gap between tiles of a row, units.
 const GAP: f64 = 14.0;
-/// Under a row of tiles, units.
+/// Gap under a row of tiles, units.
 const UNDER: f64 = 20.0;
-/// Between a picture and its difference, units.
+/// Gap between a picture and its difference, units.
 const BETWEEN: f64 = 4.0;
 
-/// The places of a sheet.
+/// Positions and sizes on a sheet.
 pub struct Layout {
     picture: (u32, u32),
     unit: f64,
@@ -39,7 +39,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Places for so many tiles whose pictures have the size of `sample`; `None` without tiles or pixels.
+    /// Layout of `tiles` tiles whose pictures have the size of `sample`; `None` without tiles or pixels.
     pub fn new(tiles: usize, sample: Option<&RgbImage>) -> Option<Self> {
         let (width, height) = sample?.dimensions();
         if tiles == 0 || width == 0 || height == 0 {
@@ -63,7 +63,7 @@ impl Layout {
         })
     }
 
-    /// The same on a sheet [`FINER`] times as large.
+    /// This layout on a sheet [`FINER`] times as large.
     pub fn enlarged(&self) -> Self {
         Self {
             scale: FINER,
@@ -71,34 +71,34 @@ impl Layout {
         }
     }
 
-    /// Units in whole pixels.
+    /// Length in whole pixels of a length in units.
     pub fn px(&self, units: f64) -> i32 {
         self.scale as i32 * (units * self.unit).round() as i32
     }
 
-    /// Units as a size of type, px.
+    /// Font size in px of a size in units.
     pub fn size_of(&self, units: f64) -> f64 {
         f64::from(self.scale) * self.unit * units
     }
 
-    /// Width and height of a picture.
+    /// Width and height of a picture, px.
     pub fn picture(&self) -> (i32, i32) {
         let (width, height) = self.picture;
         ((self.scale * width) as i32, (self.scale * height) as i32)
     }
 
-    /// Width of a tile: that of its picture, or what its text needs.
+    /// Width of a tile, px: that of its picture, or `USUAL` units for its text where that is larger.
     pub fn tile(&self) -> i32 {
         self.picture().0.max(self.px(USUAL))
     }
 
-    /// Width and height of a tile with what is between it and the next.
+    /// Horizontal and vertical distance of tiles, px.
     fn pitch(&self) -> (i32, i32) {
         let between = self.px(HEAD) + self.px(BETWEEN) + self.px(UNDER);
         (self.tile() + self.px(GAP), 2 * self.picture().1 + between)
     }
 
-    /// Width and height of the sheet.
+    /// Width and height of the sheet, px.
     pub fn size(&self) -> (u32, u32) {
         let (across, down) = self.pitch();
         let width = 2 * self.px(MARGIN) - self.px(GAP) + across * self.columns as i32;
@@ -119,7 +119,7 @@ impl Layout {
         top + self.px(HEAD) + self.px(BETWEEN) + self.picture().1
     }
 
-    /// Left, top, right, bottom of the scale in the place of a difference.
+    /// Left, top, right, bottom of the colour scale that takes the place of a difference, px.
     pub fn scale_box(&self, (x, y): (i32, i32)) -> [i32; 4] {
         let (width, height) = self.picture();
         let middle = y + self.scale as i32 * (height / self.scale as i32 / 2);

@@ -1,4 +1,4 @@
-//! The contact sheet: the truth and one cell of every method as one PNG, for a README or a slide.
+//! Contact sheet: the truth and one cell of every method in one PNG, for a README or a slide.
 //!
 //! A tile is a heading, the picture, and below it its signed difference from the truth; in the truth's tile the scale
 //! of the differences takes that place.
@@ -19,10 +19,10 @@ use plotters::prelude::DrawingBackend;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// How the names of all sheets begin.
+/// Prefix of the file names of all sheets.
 pub const KIND: &str = "methods";
 
-/// Sizes of type in units of the layout.
+/// Font sizes in units of the layout.
 const HEADING: f64 = 22.0;
 const TEXT: f64 = 17.5;
 
@@ -55,19 +55,19 @@ fn defect(problem: image::ImageError) -> Error {
     Error::defect("contact sheet", problem)
 }
 
-/// The cell that stands for a method: the middle one of its settings by error, of two the better.
+/// Representative cell of a method: the median one of its settings by error, for an even number the lower median.
 pub fn typical<'a>(case: &CellGroup<'a>, method: &str) -> Option<Shot<'a>> {
     let shots = case.by_error(method);
     shots.get(shots.len().saturating_sub(1) / 2).copied()
 }
 
-/// What one tile shows.
+/// Content of one tile.
 struct ContactTile {
     method: String,
     heading: String,
     numbers: String,
     picture: Result<RgbImage, String>,
-    /// The truth has none.
+    /// Signed difference from the truth; `None` for the truth.
     difference: Option<Result<RgbImage, String>>,
 }
 
@@ -99,7 +99,7 @@ fn tiles(folder: &Path, view: &ReportView<'_>, case: &CellGroup<'_>) -> Vec<Cont
     truth.into_iter().chain(others).collect()
 }
 
-/// `None` when the case has no cell with numbers or no picture can be read.
+/// Draws the sheet of a case; `None` when it has no cell with numbers or no picture can be read.
 fn draw(folder: &Path, view: &ReportView<'_>, case: &CellGroup<'_>) -> Result<Option<RgbImage>> {
     let tiles = tiles(folder, view, case);
     let sample = tiles.iter().find_map(|t| t.picture.as_ref().ok());
@@ -122,7 +122,7 @@ fn draw(folder: &Path, view: &ReportView<'_>, case: &CellGroup<'_>) -> Result<Op
     Ok(Some(sheet))
 }
 
-/// Multiplies the sheet with the mean of the [`FINER`]² pixels that lie on each of its own.
+/// Multiplies each pixel of the sheet by the mean of the [`FINER`]² pixels of `ink` that cover it.
 fn print_over(sheet: &mut RgbImage, ink: &RgbImage) {
     let stride = 3 * ink.width() as usize;
     let finer = FINER as usize;
@@ -139,7 +139,7 @@ fn print_over(sheet: &mut RgbImage, ink: &RgbImage) {
     }
 }
 
-/// Everything but the pictures, on white.
+/// Text of the sheet on white.
 fn write(
     view: &ReportView<'_>,
     case: &CellGroup<'_>,
@@ -183,7 +183,7 @@ fn paste(
     imageops::replace(sheet, &scaled, x.into(), y.into());
 }
 
-/// The colours of the differences from one end to the other.
+/// Draws the false-colour scale of the differences.
 fn paste_scale(sheet: &mut RgbImage, layout: &Layout, (x, y): (i32, i32)) {
     let [left, top, right, bottom] = layout.scale_box((x, y));
     let (width, height) = ((right - left).unsigned_abs(), (bottom - top).unsigned_abs());

@@ -1,4 +1,4 @@
-//! Pictures of the report folder, embedded in the page.
+//! Embeds pictures of the report folder in the page, or links them.
 
 use super::super::files;
 use base64::Engine as _;
@@ -6,9 +6,9 @@ use image::imageops::{self, FilterType};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
-/// Wider pictures are embedded at this width and linked to the full file.
+/// Largest width of an embedded picture, px; wider ones are shrunk to it and linked to the full file.
 const WIDEST: u32 = 480;
-/// Characters of embedded pictures after which further ones are only linked.
+/// Budget of embedded pictures, characters of their `data:` addresses; beyond it, pictures are only linked.
 const BUDGET: usize = 24 << 20;
 
 /// A picture as the page can show it.
@@ -22,16 +22,16 @@ pub enum PagePicture {
         /// Width and height over which it is shown.
         size: (u32, u32),
     },
-    /// Beside the page, because the page is large enough.
+    /// Only linked, because the page's budget is used up.
     Linked {
         /// The full file, relative to the page.
         link: String,
     },
-    /// Not to be had, and why.
+    /// Not readable, with the reason.
     Missing(String),
 }
 
-/// Reads pictures and keeps count of how much they add to the page.
+/// Reads pictures and counts the characters that they add to the page.
 pub struct Album {
     folder: PathBuf,
     left: usize,
@@ -46,7 +46,7 @@ impl Album {
         }
     }
 
-    /// The picture a record names under `key`, embedded whatever it adds to the page.
+    /// The picture a record names under `key`, embedded regardless of the budget.
     pub fn show(&mut self, files: &Map<String, Value>, key: &str) -> PagePicture {
         let name = match files.get(key) {
             Some(Value::String(name)) => name,
@@ -65,7 +65,7 @@ impl Album {
         }
     }
 
-    /// [`Self::show`] while the page has room for it, else a link.
+    /// [`Self::show`] while the budget allows it, else a link.
     pub fn show_if_room(&mut self, files: &Map<String, Value>, key: &str) -> PagePicture {
         let before = self.left;
         let linked = match files.get(key) {

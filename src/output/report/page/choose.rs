@@ -1,4 +1,5 @@
-//! "Which method?": the fastest setting for an error, the smallest error for a budget, in each view and in all of them.
+//! Section "Which method?": the fastest setting within an error limit and the smallest error within a budget, for each
+//! view and for all views.
 
 use super::super::format::{map_size, maybe, memory_size, ms, number};
 use super::super::view::{CellGroup, ReportView, Shot, distinct};
@@ -7,10 +8,10 @@ use crate::scene::ReconstructionInfo;
 use maud::{Markup, html};
 use std::cmp::Ordering;
 
-/// Limits of the relative error that the first table answers.
+/// Limits of the relative RMSE, one column of the first table each.
 const LIMITS: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.5];
 
-/// What a setting costs in one view, or at worst in all.
+/// Error, time (ms) and memory (bytes) of a setting in one view, or the worst values over all views.
 struct Offer<'a> {
     shot: Shot<'a>,
     rel_rmse: f64,
@@ -30,7 +31,7 @@ impl<'a> Offer<'a> {
         }
     }
 
-    /// The worse of two views, number by number; a time that is missing in one is missing.
+    /// Maximum of each number over two views; `None` for the time where it is missing in either.
     fn worse(mut self, other: &Shot<'_>) -> Self {
         self.rel_rmse = self.rel_rmse.max(other.rel_rmse());
         self.total_ms = self.total_ms.zip(other.time_ms()).map(|(a, b)| a.max(b));
@@ -39,7 +40,7 @@ impl<'a> Offer<'a> {
         self
     }
 
-    /// The cheaper first: by time, then by memory, then by error. What has no time comes last.
+    /// Order by time, then memory, then error, smallest first; offers without a time come last.
     fn by_cost(&self, other: &Self) -> Ordering {
         let time = |o: &Self| o.total_ms.unwrap_or(f64::INFINITY);
         let bytes = |o: &Self| o.map_bytes.saturating_add(o.history_bytes);
@@ -50,7 +51,7 @@ impl<'a> Offer<'a> {
     }
 }
 
-/// The settings that have numbers in every case, each with its worst.
+/// Settings that have numbers in every case, each with its worst numbers.
 fn everywhere<'a>(cases: &[CellGroup<'a>]) -> Vec<Offer<'a>> {
     let Some((first, rest)) = cases.split_first() else {
         return Vec::new();
@@ -94,7 +95,7 @@ pub fn section(view: &ReportView<'_>) -> Markup {
     }
 }
 
-/// What errors and times of reconstructed pictures are.
+/// Notice on the meaning of errors and times of reconstructed pictures.
 fn reconstructed(view: &ReportView<'_>, info: &ReconstructionInfo) -> Markup {
     let loss = match (info.rest.exact, info.history.is_some()) {
         (true, _) => "What it loses in motion",
@@ -112,7 +113,7 @@ fn reconstructed(view: &ReportView<'_>, info: &ReconstructionInfo) -> Markup {
     }
 }
 
-/// What the error of this section is.
+/// Definition of the error used in this section.
 const MEANING: &str = "The error is rel_rmse: the RMS difference of the sun-lit radiance from the truth over the \
     truth's own RMS; 0 is equal, 1 as wrong as no light at all.";
 
@@ -146,7 +147,7 @@ fn by_error(view: &ReportView<'_>) -> Markup {
     parts::table(view, caption, "answers totals stacked", head, body)
 }
 
-/// The cheapest offer within the limit, or how close the best one comes.
+/// Cheapest offer within the error limit, or else the smallest error of any offer.
 fn answer(view: &ReportView<'_>, offers: &[Offer<'_>], limit: f64) -> Markup {
     let within = offers.iter().filter(|o| o.rel_rmse <= limit);
     let best = offers.iter().map(|o| o.rel_rmse).min_by(f64::total_cmp);
@@ -159,7 +160,7 @@ fn answer(view: &ReportView<'_>, offers: &[Offer<'_>], limit: f64) -> Markup {
     }
 }
 
-/// The form that works with the script, and is hidden without it. The script takes the cells from the table of all.
+/// Form for the budget, hidden where scripts do not run. The script reads the cells from the table of all cells.
 fn by_budget(view: &ReportView<'_>) -> Markup {
     let shots: Vec<Shot<'_>> = view.cases.iter().flat_map(CellGroup::shots).collect();
     let mut times: Vec<f64> = shots.iter().filter_map(Shot::time_ms).collect();
@@ -202,7 +203,7 @@ fn by_budget(view: &ReportView<'_>) -> Markup {
     }
 }
 
-/// A time rounded to two digits, as a field shows it.
+/// A time rounded to two significant digits, for the input field.
 fn two_digits(value: f64) -> f64 {
     let unit = 10f64.powf(value.log10().floor() - 1.0);
     number((value / unit).round() * unit)

@@ -1,4 +1,4 @@
-//! How steady the adapter was while it was measured: without that, a time is a number of unknown worth.
+//! Section on the stability of the adapter's clock during the measurement, by which the times are to be judged.
 
 use super::super::format::{number, percent, signed_percent};
 use super::super::view::{ReportView, distinct};
@@ -9,7 +9,7 @@ use crate::gpu::{Clocks, Extent};
 use crate::metrics::{Thirds, summarise, thirds};
 use maud::{Markup, html};
 
-/// The columns of what an NVIDIA device says of itself.
+/// Columns of the values that an NVIDIA device reports.
 const DEVICE_COLUMNS: [(&str, &str); 4] = [
     ("SM clock", "MHz"),
     ("Memory clock", "MHz"),
@@ -17,8 +17,8 @@ const DEVICE_COLUMNS: [(&str, &str); 4] = [
     ("Limited by", ""),
 ];
 
-/// Drift of the clock probe over all blocks in one sentence, for the captions of tables of times; empty where nothing was
-/// watched.
+/// Drift of the clock probe over all blocks in one sentence, for the captions of tables of times; empty where the clock
+/// was not probed.
 pub fn sentence(view: &ReportView<'_>) -> Markup {
     let unsettled = view.report.clock.iter().filter(|r| !r.settled).count();
     html! {
@@ -31,7 +31,7 @@ pub fn sentence(view: &ReportView<'_>) -> Markup {
     }
 }
 
-/// The section; nothing where nothing was watched.
+/// The section; empty where the clock was not probed.
 pub fn section(view: &ReportView<'_>) -> Markup {
     let cells = |record: &&ClockRecord| !measured(view, record).is_empty();
     let records: Vec<&ClockRecord> = view.report.clock.iter().filter(cells).collect();
@@ -138,13 +138,13 @@ fn measured<'a>(view: &ReportView<'a>, record: &ClockRecord) -> Vec<&'a Measured
         .collect()
 }
 
-/// Share of the wall time in which passes ran.
+/// Median device time over median wall-clock time: the share in which passes ran.
 fn busy(measured: &Measured) -> Option<f64> {
     let times = &measured.time_ms;
     Some(times.total?.median / times.wall?.median)
 }
 
-/// First and last third of the rounds' times; `None` where they are too few or some round has none.
+/// First and last third of the rounds' times; `None` where there are too few or a round has no time.
 fn rounds_thirds(measured: &Measured) -> Option<Thirds> {
     let times: Option<Vec<f64>> = measured.rounds_total_ms.iter().copied().collect();
     thirds(&times?)

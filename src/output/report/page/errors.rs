@@ -1,4 +1,4 @@
-//! The three errors of decomposed cells: signed pictures beside each other, on one scale.
+//! Section with the three error terms of decomposed cells: signed difference pictures side by side, on one scale.
 
 use super::super::format::{number, written};
 use super::super::view::{CellGroup, ReportView, Shot};
@@ -9,7 +9,7 @@ use crate::batch::numbers::{CellNumber, PagePlace, numbers};
 use crate::batch::record::Decomposition;
 use maud::{Markup, html};
 
-/// The section; nothing where the experiment asked for no decomposition.
+/// The section; empty where no cell was decomposed.
 pub fn section(view: &ReportView<'_>, album: &mut Album) -> Markup {
     let decomposed = |case: &&CellGroup<'_>| !cells(case).is_empty();
     let cases: Vec<&CellGroup<'_>> = view.cases.iter().filter(decomposed).collect();

@@ -1,4 +1,4 @@
-//! The charts, inlined.
+//! Section with the charts as inline SVG.
 
 use super::super::charts::Drawing;
 use super::super::shell::parts;

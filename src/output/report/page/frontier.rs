@@ -1,4 +1,4 @@
-//! The cells of each scene and sun that nothing beats, by time and by memory.
+//! Tables of the Pareto-optimal cells of each scene and sun: error against time, and error against memory.
 
 use super::super::format::{error, ms, number};
 use super::super::pareto::frontier;
@@ -10,7 +10,7 @@ use maud::{Markup, html};
 /// Error numbers of a row.
 const ERRORS: [&Metric; 3] = [metric("rel_rmse"), metric("leak"), metric("darken")];
 
-/// Both tables of one case, folded away.
+/// Both tables of one case, collapsed.
 pub fn of_case(view: &ReportView<'_>, case: &CellGroup<'_>) -> Markup {
     let shots = case.shots();
     html! {

@@ -1,4 +1,4 @@
-//! `index.html`: the whole report as one page that needs no network.
+//! `index.html`: the whole report as one self-contained page.
 
 pub(crate) mod album;
 mod choose;
@@ -101,7 +101,7 @@ fn summary(view: &ReportView<'_>) -> Markup {
     }
 }
 
-/// Links to the sections that the page has.
+/// Navigation links to the sections of the page.
 fn links(view: &ReportView<'_>) -> Vec<Link<'static>> {
     let measured = || view.report.cells.iter().filter_map(|c| c.result.as_ref());
     let decomposed = measured().any(|m| m.decomposition.is_some());

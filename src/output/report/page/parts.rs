@@ -1,4 +1,4 @@
-//! Small pieces that every section of a report uses.
+//! Markup shared by the sections of a report: cells of tables, headings, settings, tables.
 
 pub use super::super::shell::parts::{cell, heading, method, plural};
 
@@ -6,13 +6,13 @@ use super::super::shell;
 use super::super::view::{ReportView, Shot, all_params};
 use maud::{Markup, Render, html};
 
-/// The setting of a cell, every parameter on hover.
+/// Setting of a cell, with all its parameters in the tooltip.
 pub fn setting(view: &ReportView<'_>, shot: &Shot<'_>) -> Markup {
     let text = view.setting(shot.cell);
     html! { span.setting title=(all_params(shot.cell)) { @if text.is_empty() { "–" } @else { (text) } } }
 }
 
-/// A table in a container of its own that scrolls, with a caption that names the adapter.
+/// Table in a scrolling container, with a caption that names the adapter.
 pub fn table(
     view: &ReportView<'_>,
     caption: impl Render,

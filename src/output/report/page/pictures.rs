@@ -1,4 +1,5 @@
-//! Picture sheets: the truth beside the best setting of every method, and any cell beside the truth.
+//! Section of pictures: the truth beside the best setting of every method, and a chooser that compares any cell with
+//! the truth.
 
 use super::super::contact::Sheet;
 use super::super::format::{error, ms, number};
@@ -9,7 +10,7 @@ use crate::frame::FALSE_COLOUR_STOPS;
 use crate::metrics::{Metric, metric};
 use maud::{Markup, html};
 
-/// Cards beside each other on a wide screen; the rows are filled as evenly as they go.
+/// Largest number of cards in a row on a wide screen; the cards are spread evenly over the rows.
 const MOST_COLUMNS: usize = 6;
 
 /// The section, one sheet for each case.
@@ -86,7 +87,7 @@ fn truth(case: &CellGroup<'_>, album: &mut Album) -> Markup {
     }
 }
 
-/// What the colours of the differences mean; the scale is the record's `diff_scale` where it names one.
+/// Colour bar of the differences; its ends are the record's `diff_scale`, where there is one.
 fn color_bar(case: &CellGroup<'_>) -> Markup {
     let scale = case.diff_scale();
     let end = |sign: &str, word: &str| match scale {
@@ -102,7 +103,7 @@ fn color_bar(case: &CellGroup<'_>) -> Markup {
     }
 }
 
-/// The colours of the differences, as the pictures have them.
+/// CSS gradient of the false colours used in the difference pictures.
 fn gradient() -> String {
     let stop = |(_, [r, g, b]): &(f32, [u8; 3])| format!("rgb({r} {g} {b})");
     let stops: Vec<String> = FALSE_COLOUR_STOPS.iter().map(stop).collect();
@@ -125,7 +126,7 @@ fn card(view: &ReportView<'_>, case: &CellGroup<'_>, shot: &Shot<'_>, album: &mu
     }
 }
 
-/// Error numbers of a card.
+/// Error numbers shown on a card.
 const CARD: [&Metric; 3] = [metric("rel_rmse"), metric("leak"), metric("darken")];
 
 fn numbers(shot: &Shot<'_>) -> Markup {
@@ -138,7 +139,7 @@ fn numbers(shot: &Shot<'_>) -> Markup {
     }
 }
 
-/// A picture, or a visible notice in its place.
+/// A picture, or a notice with the reason in its place.
 pub fn image(picture: &PagePicture, name: &str, class: &str) -> Markup {
     match picture {
         PagePicture::Embedded { uri, link, size } => html! {
@@ -155,7 +156,7 @@ pub fn image(picture: &PagePicture, name: &str, class: &str) -> Markup {
     }
 }
 
-/// The chooser: works with the script, hidden without it. Cells that have a card on the sheet take its pictures.
+/// Chooser of a cell to compare, hidden where scripts do not run. Cells with a card on the sheet reuse its pictures.
 fn compare(
     view: &ReportView<'_>,
     case: &CellGroup<'_>,
@@ -202,7 +203,7 @@ fn compare(
     }
 }
 
-/// A picture kept for the chooser, which is not decoded before it is chosen.
+/// A picture stored for the chooser, decoded only when it is chosen.
 fn stored(picture: &PagePicture, class: &str) -> Markup {
     match picture {
         PagePicture::Embedded { uri, .. } => html! { span class=(class) data-src=(uri) {} },

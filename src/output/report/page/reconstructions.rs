@@ -1,5 +1,5 @@
-//! Reconstructed pictures: what a frame costs beside a full picture, and what it leaves of the picture at rest and on the
-//! move.
+//! Section on reconstructed pictures: time of one frame against a full picture, and error against the full render with
+//! the camera at rest and in motion.
 
 use super::super::charts::ghosting::motion;
 use super::super::format::{bytes, number, percent};
@@ -13,7 +13,7 @@ use maud::{Markup, html};
 /// Id of the section.
 pub const ANCHOR: &str = "reconstruction";
 
-/// Heading of the section: the name of the reconstruction where there is one alone.
+/// Heading of the section: the name of the reconstruction where the report has only one.
 pub fn heading(view: &ReportView<'_>) -> &'static str {
     match view.reconstructions() {
         [only] => only.title,
@@ -21,7 +21,7 @@ pub fn heading(view: &ReportView<'_>) -> &'static str {
     }
 }
 
-/// What a frame is, in sentences.
+/// Sentences on how a frame is rendered and when a camera at rest converges.
 fn frame(info: &ReconstructionInfo) -> String {
     let RestInfo { frames, exact } = info.rest;
     let rest = match exact {
@@ -37,7 +37,7 @@ fn frame(info: &ReconstructionInfo) -> String {
     format!("{words} {rest} {frames}; times are those of a camera at rest.")
 }
 
-/// The section; nothing where every cell is `full`.
+/// The section; empty where every cell is `full`.
 pub fn section(view: &ReportView<'_>) -> Markup {
     if view.cases.iter().all(|case| cells(case).is_empty()) {
         return html! {};
@@ -69,7 +69,7 @@ fn cells<'a>(case: &CellGroup<'a>) -> Vec<(Shot<'a>, &'a ReconstructionNumbers)>
     case.shots().into_iter().filter_map(parts).collect()
 }
 
-/// Every curve, track by track.
+/// Ghosting curves of the case, grouped by camera track.
 fn curves<'a>(case: &CellGroup<'a>) -> Vec<(Shot<'a>, CameraTrack, &'a Ghosting)> {
     let of = |track| {
         let curve = move |(shot, parts): (Shot<'a>, &'a ReconstructionNumbers)| {
@@ -80,7 +80,7 @@ fn curves<'a>(case: &CellGroup<'a>) -> Vec<(Shot<'a>, CameraTrack, &'a Ghosting)
     CameraTrack::ALL.into_iter().flat_map(of).collect()
 }
 
-/// The cell that differs in nothing but marching every pixel.
+/// The cell with the same method and parameters that marches every pixel.
 fn full<'a>(case: &CellGroup<'a>, shot: &Shot<'_>) -> Option<Shot<'a>> {
     let mut params = shot.cell.params.clone();
     params.remove("reconstruct");
@@ -90,8 +90,8 @@ fn full<'a>(case: &CellGroup<'a>, shot: &Shot<'_>) -> Option<Shot<'a>> {
     case.shots().into_iter().find(same)
 }
 
-/// Time of a frame over that of a full picture: the median of the ratios inside rounds, the ratio of the medians where
-/// rounds are not recorded or not the same.
+/// Time of a frame over that of a full picture: median of the ratios in each round, or the ratio of the medians where
+/// rounds are not recorded or differ in number.
 fn ratio(frame: &Shot<'_>, full: &Shot<'_>) -> Option<f64> {
     let rounds = [frame, full].map(|shot| &shot.numbers.rounds_total_ms);
     let pairs = rounds[0].iter().zip(rounds[1]);
@@ -141,12 +141,12 @@ fn costs(
     parts::table(view, caption, "small", head, body)
 }
 
-/// Shares of the pixels that frames march.
+/// Text on the share of pixels that a frame marches.
 fn shares(infos: &[&ReconstructionInfo]) -> String {
     distinct(infos.iter().map(|info| info.share())).join(" or ")
 }
 
-/// What frames remember.
+/// Text on the contents of the history.
 fn history(infos: &[&ReconstructionInfo]) -> String {
     let histories = infos.iter().filter_map(|info| info.history);
     match distinct(histories.map(|history| history.what)).as_slice() {

@@ -1,4 +1,4 @@
-//! Every cell and every number, sortable.
+//! Sortable table of every cell and every number.
 
 use super::super::format::written;
 use super::super::view::{CellGroup, ReportView, Shot, all_params, distinct, pairs};
@@ -17,10 +17,10 @@ const FIRST: [(&str, &str); 5] = [
     ("Setting", ""),
 ];
 
-/// Columns without numbers.
+/// Columns that hold text.
 const TEXTS: [&str; 4] = ["Scene", "Method", "Setting", "Picture"];
 
-/// The numbers of the table; those of reconstructed pictures are left out where every cell is `full`.
+/// Numbers of the table; those of reconstructed pictures are left out where every cell is `full`.
 pub fn columns(view: &ReportView<'_>) -> Vec<&'static CellNumber> {
     let shown =
         |n: &&CellNumber| n.shown == PagePlace::Cells && (view.reconstructed() || !n.is_temporal());
@@ -81,12 +81,12 @@ fn row(
     }
 }
 
-/// The same for the cells of one method at one setting, whatever their scene and sun.
+/// Key of method and setting, equal for its cells of every scene and sun.
 fn setting_key(shot: &Shot<'_>) -> String {
     format!("{} {}", shot.cell.method, all_params(shot.cell))
 }
 
-/// Parameters that all cells of a method share, which the column "Setting" leaves out.
+/// Text on the parameters that all cells of a method share; the column "Setting" leaves them out.
 fn fixed(view: &ReportView<'_>) -> Markup {
     let methods = distinct(view.report.cells.iter().map(|c| c.method.as_str()));
     let shared = |method: &str| {

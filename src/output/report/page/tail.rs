@@ -1,4 +1,4 @@
-//! What failed, what it was measured against, where and how long, and what the numbers mean.
+//! Last sections of a report: failed cells, claims, truths, environment and inputs, wall-clock time, definitions.
 
 use super::super::format::{NONE, bytes, count, maybe, ms, number};
 use super::super::view::{ReportView, all_params, distinct, plain};
@@ -7,7 +7,7 @@ use super::table;
 use crate::batch::record::{Clock, Reference};
 use maud::{Markup, html};
 
-/// Failed cells with their reasons; nothing when none failed.
+/// Failed cells with their reasons; empty when none failed.
 pub fn failures(view: &ReportView<'_>) -> Markup {
     let failed: Vec<_> = view
         .report
@@ -39,7 +39,7 @@ pub fn failures(view: &ReportView<'_>) -> Markup {
     }
 }
 
-/// Verdicts on published claims, as the records give them; nothing for a plain batch.
+/// Verdicts on published claims from the records; empty where there are none, as for a batch outside a study.
 pub fn claims(view: &ReportView<'_>) -> Markup {
     let claims: Vec<_> = view
         .report
@@ -65,7 +65,7 @@ pub fn claims(view: &ReportView<'_>) -> Markup {
     }
 }
 
-/// The truths: what they cost and how much dearer they are than ten steps.
+/// Truths: their time and sample counts, and their time over that of `srm` with 10 steps.
 pub fn references(view: &ReportView<'_>) -> Markup {
     let head = html! {
         @for (name, unit) in [
@@ -101,7 +101,7 @@ pub fn references(view: &ReportView<'_>) -> Markup {
     }
 }
 
-/// Million density samples a second.
+/// View and light samples of the truth per second, in millions.
 fn throughput(reference: &Reference) -> Option<f64> {
     let samples = reference.view_samples? + reference.light_samples?;
     let time_ms = reference.march_ms.or(reference.wall_ms);
@@ -154,7 +154,7 @@ pub fn environment(view: &ReportView<'_>) -> Markup {
     }
 }
 
-/// The files that the scenes read, and how the report is measured again; nothing where it does not hold its scenes.
+/// Files that the scenes read, and how to repeat the measurement; empty where the report does not contain its scenes.
 fn inputs(view: &ReportView<'_>) -> Markup {
     let report = view.report;
     if report.scenes.is_empty() {
@@ -172,7 +172,7 @@ fn inputs(view: &ReportView<'_>) -> Markup {
     }
 }
 
-/// Where the wall-clock time went.
+/// Breakdown of the wall-clock time.
 pub fn wall(view: &ReportView<'_>) -> Markup {
     let w = &view.report.wall;
     let ratio = (w.passes_s > 0.0).then(|| (w.total_s - w.compile_s) / w.passes_s);
@@ -219,7 +219,7 @@ fn truths_ms(view: &ReportView<'_>) -> Option<f64> {
     (!times.is_empty()).then(|| times.iter().sum())
 }
 
-/// What each number of the table of all cells means.
+/// Definition of each number in the table of all cells.
 pub fn definitions(view: &ReportView<'_>) -> Markup {
     html! {
         section #definitions {

@@ -1,21 +1,21 @@
-//! The one shell of every page: head, style, script, header with the adapter's line, navigation. The index of a batch, a
-//! study with its guide, and a stability sweep are bodies in it. A page is one file that needs no network.
+//! Frame of every page: head, style, script, header with the adapter's line, navigation. Reports of batches, studies
+//! with their guides, and stability sweeps supply the body. A page is one self-contained file.
 
 pub mod parts;
 
 use super::format::shorten;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// Sorts, chooses and compares: for pages with the tables and pictures of a report.
+/// Script for the pages of a report: sorts tables, answers the budget form, compares pictures.
 pub const SCRIPT: &str = include_str!("script.js");
 
 /// One page.
 pub struct Page<'a> {
     /// Title of the window.
     pub title: &'a str,
-    /// Rules besides those that all pages share.
+    /// CSS rules in addition to those that all pages share.
     pub style: &'a str,
-    /// What stands above the sections.
+    /// Header above the sections.
     pub header: PageHeader<'a>,
     /// The sections.
     pub main: Markup,
@@ -23,13 +23,13 @@ pub struct Page<'a> {
     pub script: &'a str,
 }
 
-/// What stands above the sections of a page.
+/// Header of a page, above its sections.
 pub struct PageHeader<'a> {
     /// A line above the heading: what kind of page it is.
     pub kicker: &'a str,
     /// The heading.
     pub heading: &'a str,
-    /// On what the numbers were measured.
+    /// Adapter on which the numbers were measured.
     pub adapter: Markup,
     /// Summary and notes.
     pub summary: Markup,
@@ -39,13 +39,13 @@ pub struct PageHeader<'a> {
 
 /// An entry of the navigation.
 pub enum Link<'a> {
-    /// Id of a section and words for it.
+    /// Id of a section and the text of its link.
     Section(&'a str, &'a str),
-    /// Path of another page and words for it.
+    /// Path of another page and the text of its link.
     Page(&'a str, Markup),
 }
 
-/// The page as text.
+/// The page as HTML text.
 pub fn page(page: &Page<'_>) -> String {
     let markup = html! {
         (DOCTYPE)

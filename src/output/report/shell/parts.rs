@@ -1,4 +1,4 @@
-//! Small pieces that every page uses: methods, numbers, tables, charts.
+//! Markup shared by all pages: methods, numbers, tables, charts.
 
 use super::super::charts::WIDTH;
 use super::super::format::NONE;
@@ -11,7 +11,7 @@ pub fn method(id: &str) -> Markup {
     html! { span.method { (swatch(id)) span { (id) } } }
 }
 
-/// A method's marker as a tiny picture, the same as in the charts.
+/// A method's marker as inline SVG, the same as in the charts.
 fn swatch(id: &str) -> PreEscaped<String> {
     let style = Style::of(id);
     let shape = match style.corners(5.2) {
@@ -31,7 +31,7 @@ fn swatch(id: &str) -> PreEscaped<String> {
     ))
 }
 
-/// A cell of a table that sorts by `value`; without one it reads "n/a" and sorts last.
+/// Table cell that sorts by `value`; without a finite value it reads "n/a" and sorts last.
 pub fn cell(value: Option<f64>, text: impl FnOnce(f64) -> String) -> Markup {
     match value.filter(|v| v.is_finite()) {
         Some(v) => html! { td.n data-v=(v) { (text(v)) } },
@@ -39,7 +39,7 @@ pub fn cell(value: Option<f64>, text: impl FnOnce(f64) -> String) -> Markup {
     }
 }
 
-/// A heading of a sortable column with its unit; those of numbers stand at the right, as the numbers do.
+/// Heading of a sortable column with its unit; right-aligned for columns of numbers.
 pub fn heading(name: &str, unit: &str, numeric: bool) -> Markup {
     html! {
         th.n[numeric] scope="col" aria-sort="none" {
@@ -48,7 +48,7 @@ pub fn heading(name: &str, unit: &str, numeric: bool) -> Markup {
     }
 }
 
-/// A table in a container of its own that scrolls, with a caption that ends in where its numbers come from.
+/// Table in a scrolling container, with a caption that ends with the source of its numbers.
 pub fn table(
     source: impl Render,
     caption: impl Render,
@@ -80,7 +80,7 @@ pub fn table_of(
     }
 }
 
-/// A chart in a frame of its own that scrolls; `alt` says what it shows to whoever cannot see it.
+/// Chart in a scrolling frame; `alt` is its text alternative.
 pub fn chart(alt: &str, svg: &str, caption: Option<Markup>) -> Markup {
     html! {
         figure.chart {
@@ -90,12 +90,12 @@ pub fn chart(alt: &str, svg: &str, caption: Option<Markup>) -> Markup {
     }
 }
 
-/// The picture of a [`chart`] alone.
+/// The picture of a [`chart`] without its frame and caption.
 pub fn picture(alt: &str, svg: &str) -> Markup {
     html! { div.scroll tabindex="0" role="img" aria-label=(alt) { (PreEscaped(fluid(svg))) } }
 }
 
-/// The SVG without its fixed size, so that it fills the room it has. Its text is already escaped.
+/// The SVG without its fixed size, so that it fills its container. Its text is already escaped.
 fn fluid(svg: &str) -> String {
     let fixed = format!("<svg width=\"{WIDTH}\" height=\"");
     let rest = svg.strip_prefix(&fixed);
@@ -105,7 +105,7 @@ fn fluid(svg: &str) -> String {
     }
 }
 
-/// A section with one line for each number of the page, and what stands below them.
+/// Section with the definition of each number of the page, followed by `below`.
 pub fn definitions(entries: &[(&str, &str)], below: impl Render) -> Markup {
     html! {
         section #definitions {

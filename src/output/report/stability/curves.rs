@@ -1,4 +1,4 @@
-//! Curves T(d) where something breaks or rings.
+//! Charts of transmittance T(d) along columns where a method breaks or rings.
 
 use super::super::charts::axis::AxisSpec;
 use super::super::charts::chart::{
@@ -20,7 +20,8 @@ pub struct CurveDrawing {
     svg: String,
 }
 
-/// The worst curves of every method and form: one that rings, one that breaks, one with values that are not finite.
+/// Charts of the worst curves of every method and form: one for each verdict (breaks, rings), apart with and without
+/// values that are not finite.
 pub fn charts(sweep: &Sweep) -> Result<Vec<CurveDrawing>> {
     let mut picked: Vec<(&SweepCase, &SweepRow, bool, f64)> = Vec::new();
     for case in &sweep.cases {
@@ -66,8 +67,8 @@ pub fn charts(sweep: &Sweep) -> Result<Vec<CurveDrawing>> {
         .collect()
 }
 
-/// How much the drawn column shows: the largest rise of a curve that rings, else mean |T − truth|, where what is not
-/// finite counts 1.
+/// Size of the defect in the drawn column: the largest rise of T for a curve that rings, else mean |T − truth|, where a
+/// value that is not finite counts 1.
 fn badness(case: &SweepCase, row: &SweepRow) -> f64 {
     if row.flushed.verdict == FormVerdict::Rings {
         let mut lowest = f32::INFINITY;
@@ -127,7 +128,7 @@ fn points(case: &SweepCase, values: impl Iterator<Item = f64>) -> Vec<Point> {
     pairs.map(|(depth, t)| Point::at(*depth, t)).collect()
 }
 
-/// The stable form of a published one at the same setting, where there is one.
+/// Row of the stable form at the same setting as a row of the published form, where there is one.
 fn stable<'a>(case: &'a SweepCase, row: &SweepRow) -> Option<&'a SweepRow> {
     if row.setting.form != "published" {
         return None;

@@ -1,16 +1,16 @@
-//! The heat maps: method settings × extremes, one for the oracle and one for the device.
+//! Heat maps of method settings × extreme cases, one for the oracle and one for the device.
 
 use super::super::format::{maybe, number};
 use super::device;
 use crate::stability::{Columns, FormVerdict, Setting, Sweep, SweepCase, SweepPicture, SweepRow};
 use maud::{Markup, html};
 
-/// Width of a column of the map, px; the style sheet has the same.
+/// Width of a column of the map, px; must equal that in the style sheet.
 const CELL_PX: usize = 16;
-/// Room that a letter of a group's name takes, px.
+/// Width of a letter of a group's name, px.
 const LETTER_PX: usize = 7;
 
-/// What a cell shows.
+/// Content of a cell of a heat map.
 struct HeatCell {
     class: &'static str,
     symbol: String,
@@ -112,7 +112,7 @@ fn map(sweep: &Sweep, settings: &[&Setting], cell: &dyn Fn(&SweepRow) -> HeatCel
     }
 }
 
-/// `esm published f16 blend`.
+/// Text of a setting: `esm published f16 blend`.
 pub fn label(setting: &Setting) -> String {
     let words = [
         &setting.method,
@@ -201,7 +201,7 @@ fn verdict_cell(
     }
 }
 
-/// The error's decade; where nothing scatters light there is none.
+/// CSS class and symbol of the error's decade; `·` where there is no error, because nothing scatters light.
 fn error_class(error: Option<f64>) -> (&'static str, &'static str) {
     match error {
         None => ("is-e4", "·"),

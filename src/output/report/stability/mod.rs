@@ -1,4 +1,4 @@
-//! The page of a stability sweep: `stability.json` and `index.html`, one file, no network.
+//! Report of a stability sweep: `stability.json` and `index.html`, a self-contained page.
 
 mod curves;
 mod heat;
@@ -55,7 +55,7 @@ fn html(sweep: &Sweep) -> Result<String> {
     }))
 }
 
-/// Name of the device, or that there was none.
+/// Name of the device, or words for its absence.
 fn device(sweep: &Sweep) -> String {
     let environment = sweep.environment.as_ref();
     environment.map_or_else(

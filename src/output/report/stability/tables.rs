@@ -1,4 +1,4 @@
-//! Thresholds, defects, refusals, environment, definitions.
+//! Sections of the stability page: defects, thresholds, refused cases, environment, definitions.
 
 use super::super::format::{NONE, number};
 use super::super::shell::parts::{self, plural};
@@ -7,7 +7,7 @@ use super::heat::label;
 use crate::stability::{SEARCHED, SearchResult, Sweep, Threshold};
 use maud::{Markup, html};
 
-/// Forms that must hold and do not; nothing when all hold.
+/// Forms that must hold and do not; empty when all hold.
 pub fn defects(sweep: &Sweep) -> Markup {
     let defects = sweep.defects();
     html! {
@@ -31,7 +31,7 @@ pub fn defects(sweep: &Sweep) -> Markup {
     }
 }
 
-/// Predicted, measured, and what the device did.
+/// Thresholds: predicted, measured on the oracle, and the result on the device.
 pub fn thresholds(sweep: &Sweep) -> Markup {
     let head = html! {
         @for name in ["Form", "What happens", "Parameter", "Storage", "Denormals"] { th scope="col" { (name) } }
@@ -67,7 +67,7 @@ pub fn thresholds(sweep: &Sweep) -> Markup {
     }
 }
 
-/// Five digits; what never happens says how far was searched.
+/// Text of a threshold with three or four decimals, by [`number`] below 1e-3; "never" where none was found.
 fn at(value: Option<f64>, threshold: &Threshold) -> String {
     match value {
         None => "never".to_owned(),
@@ -86,7 +86,7 @@ fn found(threshold: &Threshold) -> String {
     }
 }
 
-/// What was refused, and why.
+/// Refused cases with their reasons.
 pub fn refused(sweep: &Sweep) -> Markup {
     let cases = sweep.cases.iter().filter(|case| case.refused.is_some());
     html! {
@@ -167,7 +167,7 @@ const DEFINITIONS: [(&str, &str); 9] = [
     ),
 ];
 
-/// What each number means.
+/// Definition of each number.
 pub fn definitions() -> Markup {
     let never = html! { p { "Never: not up to " (number(SEARCHED)) "." } };
     parts::definitions(&DEFINITIONS, never)
