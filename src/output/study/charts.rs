@@ -18,13 +18,13 @@ pub const COST: &str = "cost-";
 
 /// A chart of the page.
 pub struct Figure {
-    /// Whether it shows cost models.
+    /// True for charts of the cost models.
     pub of_costs: bool,
     /// File name inside `charts/`.
     pub file: String,
     /// Published figure, or empty.
     pub figure: String,
-    /// What it shows.
+    /// Title of the chart.
     pub title: String,
     /// Experiment that the cells are from; empty for all.
     pub experiment: String,

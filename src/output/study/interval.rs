@@ -5,7 +5,7 @@ use crate::report::format::number;
 use serde::Serialize;
 
 /// low ≤ value ≤ high: a median of repeats with a confidence interval of the true median, or the result of interval
-/// arithmetic on such; in the unit of the number. Of the wall clock: minimum, median and 95th percentile.
+/// arithmetic on such; in the unit of the number. For the wall clock: minimum, median and 95th percentile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
     /// Smallest plausible value.

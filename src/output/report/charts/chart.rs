@@ -8,7 +8,7 @@ use super::plot::Key;
 /// One chart.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// What it shows.
+    /// Title of the chart.
     pub title: String,
     /// Subtitle: scene and sun, or another subject.
     pub of: String,

@@ -37,7 +37,7 @@ pub const WIDTH: i32 = 700;
 struct ChartKind {
     /// Prefix of its files' names.
     stem: &'static str,
-    /// What it shows.
+    /// Title of the chart.
     title: &'static str,
     /// Source of its data.
     source: Source,

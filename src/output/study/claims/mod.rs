@@ -12,7 +12,7 @@ use super::select::{Found, Records};
 use crate::config::{ClaimSpec, Test};
 use serde::Serialize;
 
-/// Whether a claim holds on this adapter.
+/// Verdict on a claim, for the adapter that was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -105,7 +105,7 @@ impl Finding {
 pub struct Part {
     /// The part in words.
     pub says: String,
-    /// What was found.
+    /// Finding of the part.
     #[serde(flatten)]
     pub finding: Finding,
 }
