@@ -129,6 +129,21 @@ fn a_device_that_was_asked_for_is_never_replaced() {
 }
 
 #[test]
+fn an_adapter_for_the_oracle_is_refused() {
+    let folder = workplace(|_, _| {});
+    let both = occlab(folder.path())
+        .args(["batch", "small.json", "--out", "out"])
+        .args(["--backend", "cpu", "--adapter", "llvmpipe"])
+        .output()
+        .unwrap();
+    refused(
+        &both,
+        &["--backend cpu --adapter llvmpipe", "uses no adapter"],
+    );
+    assert!(cells(folder.path()).is_empty());
+}
+
+#[test]
 fn render_works_without_an_adapter() {
     let folder = workplace(|_, _| {});
     let output = without_adapter(&mut occlab(folder.path()))

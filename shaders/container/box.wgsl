@@ -1,5 +1,5 @@
 // Container: axis-aligned box in vacuum, no ground. Slab test (Kay & Kajiya 1986), one interval.
-// Cost: three divisions a ray.
+// Cost: six divisions a ray.
 #import layer::LayerRay
 
 struct Container {

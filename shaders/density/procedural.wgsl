@@ -7,7 +7,8 @@
 //
 // Sources: Schneider & Vos 2015 (SIGGRAPH Advances), Schneider 2017, Hillaire 2016, Häggström 2018.
 // Erosion only removes, so occupancy computed without it is conservative (src/input/density/procedural/bounds.rs).
-// Cost: one 2-D and one or two 3-D filtered fetches.
+// Precipitation multiplies density by 1 + gain·weather.g where a scene names it.
+// Cost: per deck one 2-D and one or two 3-D filtered fetches.
 #import container::field_point
 #import occupancy::grid_distance
 

@@ -4,7 +4,7 @@
 //   precipitation  where coverage is high and a second Perlin is positive
 //   type           low-frequency Perlin, raised where coverage is high
 //
-// Sources: Schneider & Vos 2015; thesis M. Cost: about 200 hashes a texel, once a scene.
+// Sources: Schneider & Vos 2015; thesis M. Cost: 161 hashes a texel, once a scene.
 #import lattice::{perlin_fbm, worley}
 
 struct Noise {

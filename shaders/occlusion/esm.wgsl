@@ -1,6 +1,6 @@
 // Exponential shadow map (ESM), one value a texel.
 //
-//   stable     stores z, the depth where the column's transmittance first falls below 0.99 (interpolated inside the step);
+//   stable     stores z, the front: where the column's transmittance first falls below 0.99, or its first medium (front.wgsl);
 //              V = exp(−c·max(0, d − z))
 //   published  stores f = exp(c z);  V = clamp(f·exp(−c d), 0, 1)   overflows f16 at c z ≥ 11.09, f32 at 88.7
 //

@@ -15,6 +15,7 @@ mod study;
 mod view;
 
 use clap::{Parser, Subcommand};
+use occlab::Error;
 use occlab::backend::{Backend, Choice};
 use std::io::Write;
 use std::process::ExitCode;
@@ -49,9 +50,9 @@ enum Command {
     Probe(probe::ProbeArgs),
     /// Compare two pictures (EXR or PNG): every error number, and a signed difference picture.
     Diff(diff::Diff),
-    /// Push every method to where its numbers end, on the oracle and on the device.
+    /// Run every method at extremes of the number formats, on the oracle and on the device.
     Stability(stability::StabilityArgs),
-    /// Do a published comparison again: its experiments, figures and claims; without a name the studies are listed.
+    /// Reproduce a published comparison: its experiments, figures and claims; without a name the studies are listed.
     Study(study::StudyArgs),
     /// Show the folder in which batches keep truths, or empty it.
     ///
@@ -101,6 +102,11 @@ impl DeviceArgs {
             BackendName::Gpu => Choice::Gpu,
             BackendName::Cpu => Choice::Cpu,
         };
+        if let (Choice::Cpu, Some(adapter)) = (choice, &self.adapter) {
+            let place = format!("--backend cpu --adapter {adapter}");
+            let problem = "the f64 oracle runs on the CPU and uses no adapter";
+            return Err(Error::input(place, problem, "Give one of the two."));
+        }
         let backend = Backend::open(choice, self.adapter.as_deref())?;
         let environment = backend.environment();
         if !backend.is_oracle() {

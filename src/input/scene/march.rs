@@ -24,7 +24,7 @@ pub struct March {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Integration {
-    /// Exact for constant extinction and light over the step: σ(1 − e^(−σΔ))/σ (Hillaire 2016).
+    /// Exact for constant extinction and light over the step: L·(1 − e^(−σΔ)) (Hillaire 2016).
     #[default]
     Analytic,
     /// Thesis M, Algorithm 1: transmittance first, then L·σ·T·Δ.

@@ -120,7 +120,8 @@ fn ample(setup: &MethodSetup) -> Result<MethodSetup> {
     raise(&mut ample, "steps", |own| {
         own.saturating_mul(4).clamp(AMPLE_STEPS, MOST_STEPS)
     });
-    if ample.method.plan(&ample.params)?.map_values() <= Some(MOST_VALUES) {
+    let values = ample.method.plan(&ample.params)?.map_values();
+    if values.is_some_and(|values| values <= MOST_VALUES) {
         raise(&mut ample, "resolution", |own| {
             own.saturating_mul(2).min(MOST_TEXELS).max(own)
         });

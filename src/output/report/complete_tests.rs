@@ -105,10 +105,10 @@ fn every_number_has_its_column_where_no_cell_has_it() {
         names.expect("headers")
     };
     let (none, full) = (of(Vec::new()), of(vec![full()]));
-    let temporal = ["reconstruct", "time_ms.reconstruct.", "files."];
+    let of_reconstruction = ["reconstruct", "time_ms.reconstruct.", "files."];
     for name in full
         .iter()
-        .filter(|n| !temporal.iter().any(|t| n.starts_with(t)))
+        .filter(|n| !of_reconstruction.iter().any(|t| n.starts_with(t)))
     {
         assert!(none.iter().any(|n| n == name), "{name}");
     }
@@ -157,7 +157,7 @@ fn every_number_reaches_the_page_or_is_kept_from_it_on_purpose() {
                 assert!(page.contains(&heading) && page.contains(&value), "{row:?}");
                 assert!(page.contains(&text(row.doc)), "{row:?} is not defined");
             }
-            PagePlace::Decomposition | PagePlace::Temporal => {
+            PagePlace::Decomposition | PagePlace::Reconstruction => {
                 assert!(page.contains(&heading) && page.contains(&value), "{row:?}");
             }
             PagePlace::Clock | PagePlace::Nowhere => {}

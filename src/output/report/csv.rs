@@ -1,7 +1,7 @@
 //! `cells.csv`: one row for each cell, every scalar of the record under its dotted name.
 
 use super::fields;
-use crate::batch::numbers::TEMPORAL;
+use crate::batch::numbers::OF_RECONSTRUCTIONS;
 use crate::batch::record::Report;
 use crate::error::{Error, Result};
 use serde::Serialize;
@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// The table as text. Columns: the cell's key, `params.*` and `scene_set.*` as the union over all cells, `failed`, the
-/// measurements, those of temporal integration where a cell has them, `files.*`. A missing value is an empty field.
+/// measurements, those of a reconstruction where a cell has them, `files.*`. A missing value is an empty field.
 pub fn cells(report: &Report) -> Result<String> {
     let rows: Vec<BTreeMap<String, String>> = report.cells.iter().map(row).collect();
     let columns = columns(&rows);
@@ -83,7 +83,9 @@ fn columns(rows: &[BTreeMap<String, String>]) -> Vec<String> {
     );
     out.extend(named(&["backend", "image.width", "image.height", "failed"]));
     out.extend(measurements());
-    TEMPORAL.iter().for_each(|start| out.extend(union(start)));
+    OF_RECONSTRUCTIONS
+        .iter()
+        .for_each(|start| out.extend(union(start)));
     let mut rest = union("");
     rest.retain(|name| !out.contains(name) && !name.starts_with("files."));
     out.extend(rest);
@@ -91,11 +93,15 @@ fn columns(rows: &[BTreeMap<String, String>]) -> Vec<String> {
     out
 }
 
-/// Names of all measurements but those of temporal integration, which have columns only where a cell has them.
+/// Names of all measurements but those of reconstructions, which have columns only where a cell has them.
 fn measurements() -> impl Iterator<Item = String> {
-    let temporal = |name: &str| TEMPORAL.iter().any(|start| name.starts_with(start));
+    let of_reconstruction = |name: &str| {
+        OF_RECONSTRUCTIONS
+            .iter()
+            .any(|start| name.starts_with(start))
+    };
     let scalars = fields::measured().iter().filter(|field| field.scalar);
     scalars
         .map(|field| field.name.clone())
-        .filter(move |name| !temporal(name))
+        .filter(move |name| !of_reconstruction(name))
 }

@@ -69,7 +69,7 @@ fn experiment(known: &[&ReconstructionInfo]) -> Value {
             "decompose": {"type": "boolean", "default": false, "description": "Split each cell's error into model, sampling and precision: the f64 oracle renders the truth, and each cell twice (at its own and at ample steps and texels), after the timed rounds."},
             "methods": described(one_or_many(json!({"$ref": "#/$defs/Method"})), "Methods and their parameters."),
             "reconstruct": described(one_or_many(json!({"$ref": format!("#/$defs/{}", reconstructions::DEFINITION)})), &reconstructions::description(known)),
-            "ghosting": described(one_or_many(json!({"$ref": "#/$defs/CameraTrack"})), "Compare each temporal cell with its full render along these movements of 16 frames: `pan`, the camera turns by one pixel of the picture's centre a frame; `dolly`, it moves to its right by one pixel of the middle of the container a frame. Absent: none."),
+            "ghosting": described(one_or_many(json!({"$ref": "#/$defs/CameraTrack"})), "Compare each cell whose reconstruction remembers earlier frames with its full render along these movements of 16 frames: `pan`, the camera turns by one pixel of the picture's centre a frame; `dolly`, it moves to its right by one pixel of the middle of the container a frame. Absent: none."),
         },
         "required": ["name", "image", "scenes", "methods"],
         "additionalProperties": false,

@@ -11,7 +11,7 @@ use crate::metrics::{ErrorNumbers, Format, Metric, Stats, arranged};
 use std::sync::LazyLock;
 
 /// Prefixes of the names of numbers that only cells with a reconstruction other than `full` have.
-pub const TEMPORAL: [&str; 2] = ["time_ms.reconstruct.", "reconstruction."];
+pub const OF_RECONSTRUCTIONS: [&str; 2] = ["time_ms.reconstruct.", "reconstruction."];
 
 /// Where the page of a report shows a number. `cells.csv` and `report.json` have all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,8 +20,8 @@ pub enum PagePlace {
     Cells,
     /// In the table of the three errors.
     Decomposition,
-    /// In the section on temporal integration.
-    Temporal,
+    /// In the section on reconstructions.
+    Reconstruction,
     /// In the section on the clock.
     Clock,
     /// Not on the page.
@@ -99,8 +99,10 @@ impl CellNumber {
     }
 
     /// Whether only cells with a reconstruction other than `full` have it.
-    pub fn is_temporal(&self) -> bool {
-        TEMPORAL.iter().any(|start| self.path.starts_with(start))
+    pub fn is_of_reconstruction(&self) -> bool {
+        OF_RECONSTRUCTIONS
+            .iter()
+            .any(|start| self.path.starts_with(start))
     }
 }
 

@@ -169,7 +169,7 @@ rows! {
         doc: "texels along an edge that count as ample; absent without a map"
     }
     reconstruction?.full_rel_rmse {
-        label: "Error at rest", unit: "", format: Number, shown: Temporal,
+        label: "Error at rest", unit: "", format: Number, shown: Reconstruction,
         doc: "relative RMSE against the full render by the same method, of a camera at rest, once its picture changes no more"
     }
     time_ms.generate?.min {

@@ -26,7 +26,7 @@ pub fn data(view: &ReportView<'_>, case: &CellGroup<'_>) -> Option<(Data, String
     let truths = shown.take(MOST).map(|parts| parts.truth_rel_rmse);
     let truths = number(truths.fold(0.0, f64::max));
     let mut note = format!(
-        "RMSEs do not add: nothing is stacked. The device's and the f64 truth differ by {truths}."
+        "RMSEs do not add: nothing is stacked. The device's and the f64 truth differ by {truths} at most."
     );
     if all.len() > MOST {
         note += &format!(" The first {MOST} of {} cells.", all.len());

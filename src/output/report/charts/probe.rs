@@ -75,7 +75,7 @@ fn marks(probe: &Probe, curve: &MethodCurve) -> Vec<PointSeries> {
     });
     vec![
         PointSeries {
-            label: format!("{}: T rises, or τ̂ outside [0, τ]", curve.method),
+            label: format!("{}: T rises, or τ̂ exceeds the whole τ", curve.method),
             style,
             look: Look::Strip,
             points: outside.collect(),

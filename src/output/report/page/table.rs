@@ -22,8 +22,9 @@ const TEXTS: [&str; 4] = ["Scene", "Method", "Setting", "Picture"];
 
 /// Numbers of the table; those of reconstructed pictures are left out where every cell is `full`.
 pub fn columns(view: &ReportView<'_>) -> Vec<&'static CellNumber> {
-    let shown =
-        |n: &&CellNumber| n.shown == PagePlace::Cells && (view.reconstructed() || !n.is_temporal());
+    let shown = |n: &&CellNumber| {
+        n.shown == PagePlace::Cells && (view.reconstructed() || !n.is_of_reconstruction())
+    };
     numbers().iter().filter(shown).collect()
 }
 

@@ -39,7 +39,8 @@ pub fn evidence(outcome: &Outcome) -> Markup {
             h2 { "Evidence" }
             p {
                 "Times as median [low, high], between repeats that hold the true median with a probability of at least 93 % (of 3 or 4 "
-                "repeats 75 to 88 %); cells that were timed in the same rounds are compared round by round. A part holds or fails only where that "
+                "repeats 75 to 88 %; where no rounds were recorded, between minimum and 95th percentile); cells that were timed in "
+                "the same rounds are compared round by round. A part holds or fails only where that "
                 "whole range says so."
             }
             @for claim in &outcome.claims { (parts_of(claim)) }
