@@ -37,7 +37,7 @@ pub struct ClockProbe {
     rows: u32,
 }
 
-/// Result of [`ClockProbe::settle`].
+/// Result of warming up a device until its clock settles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WarmUp {
     /// Time of the probe at the end of the wait, measured as between rounds, ms.

@@ -296,11 +296,11 @@ fn shader_files(folder: &Path) -> Vec<std::path::PathBuf> {
 #[test]
 fn files_are_compiled_in_and_begin_with_their_purpose() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shaders"));
-    let files = shader_files(&root);
+    let files = shader_files(root);
     assert!(files.len() > 20, "{} files", files.len());
     for file in files {
         let name = file
-            .strip_prefix(&root)
+            .strip_prefix(root)
             .unwrap()
             .to_str()
             .unwrap()
