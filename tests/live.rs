@@ -12,7 +12,7 @@ use occlab::live::{Live, Request, State, Update, What, Where};
 use occlab::occlusion::MethodSetup;
 use occlab::progress::unwatched;
 use occlab::raymarch::{Renderer, Tiling};
-use occlab::scene::{ImageSize, March, Scene};
+use occlab::scene::{ImageSize, MapFit, March, Scene};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -354,7 +354,11 @@ fn maps_and_probes_are_sent_on_request() {
         assert!(texels.nonfinite() == 0 && texels.values.iter().any(|v| *v > 0.0));
     }
     let methods = request.methods.clone();
-    live.probe(&request, methods, Where::Column([0.5, 0.5], 64));
+    live.probe(
+        &request,
+        methods,
+        Where::Column([0.5, 0.5], 64, MapFit::Square),
+    );
     let updates = until(&live, |u| matches!(u, Update::Probed { .. }));
     let Some(Update::Probed {
         result: Ok(probed), ..
@@ -364,7 +368,11 @@ fn maps_and_probes_are_sent_on_request() {
     };
     let ids: Vec<_> = probed.probe.curves.iter().map(|c| c.method).collect();
     assert_eq!(ids, ["srm", "bsm"]);
-    live.probe(&request, Vec::new(), Where::Column([7.0, 7.0], 64));
+    live.probe(
+        &request,
+        Vec::new(),
+        Where::Column([7.0, 7.0], 64, MapFit::Square),
+    );
     let updates = until(&live, |u| matches!(u, Update::Probed { .. }));
     assert!(matches!(
         updates.last(),

@@ -1,16 +1,17 @@
 // Light transmittance from a map: geometry, look-up rule and fallback; the method supplies `transmittance(tap, depth)`.
 //
 //   V(p) = transmittance(texel at p, d(p)/depth_m)
+//   NEAR_MARCH: V(p) = exp(−Σ σΔ over the first r = min(near_m, d) metres toward the sun) · transmittance(…, (d − r)/depth_m)
 //   MAP_VOLUME: V(p) = transmittance_at((u, v) of p, d(p)/depth_m): the sampler interpolates
 //   blend:  T at the four nearest texels, then bilinear in T (Reeves et al. 1987, percentage-closer filtering)
 //
 // Outside the rectangle: secondary march with 6 quadratic steps, counted. depth_m = 0: V = 1.
-// Cost: one distance to the layer's exit, one (blend: four) method look-ups.
-#import map::{map, map_uv, tap_at, Tap}
+// Cost: one distance to the layer's exit, one (blend: four) method look-ups, near_steps density samples.
+#import map::{map, map_position, map_uv, tap_at, Tap}
 #import layer::layer_length
 #import medium
 #import medium::sun_ray
-#import secondary::quadratic_march
+#import secondary::{quadratic_depth, quadratic_march}
 #ifdef MAP_VOLUME
 #import occlusion::transmittance_at
 #else
@@ -20,20 +21,33 @@
 const FALLBACK_STEPS: u32 = 6u;
 
 fn light_transmittance(p: vec3f, rnd: f32) -> f32 {
-    let uv = map_uv(p);
+    let position = map_position(p);
 #ifdef COUNT
     medium::look_ups += 1u;
 #endif
-    if any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) {
+    if any(position < vec2f(0.0)) || any(position > vec2f(1.0)) {
 #ifdef COUNT
         medium::fallbacks += 1u;
 #endif
         return quadratic_march(p, FALLBACK_STEPS);
     }
+    let ray = sun_ray(p);
+    let length_m = layer_length(ray);
+#ifdef NEAR_MARCH
+    let near_m = min(map.near_m, length_m);
+    let near = exp(-quadratic_depth(ray, near_m, map.near_steps));
+    return near * far_transmittance(map_uv(position), length_m - near_m);
+#else
+    return far_transmittance(map_uv(position), length_m);
+#endif
+}
+
+// What the map says of a depth.
+fn far_transmittance(uv: vec2f, depth_m: f32) -> f32 {
     if map.depth_m <= 0.0 {
         return 1.0;
     }
-    let depth = layer_length(sun_ray(p)) / map.depth_m;
+    let depth = depth_m / map.depth_m;
 #ifdef MAP_VOLUME
     return transmittance_at(uv, depth);
 #else ifdef LOOKUP_BLEND

@@ -4,12 +4,16 @@
 //
 // Quadratic spacing puts half of the samples into the nearest quarter, where the contribution varies most.
 // Cost: n density samples.
-#import layer::{layer_length, point_at}
+#import layer::{LayerRay, layer_length, point_at}
 #import medium::{extinction, sun_ray}
 
 fn quadratic_march(p: vec3f, steps: u32) -> f32 {
     let ray = sun_ray(p);
-    let length_m = layer_length(ray);
+    return exp(-quadratic_depth(ray, layer_length(ray), steps));
+}
+
+// Optical depth of the first length_m of a ray.
+fn quadratic_depth(ray: LayerRay, length_m: f32, steps: u32) -> f32 {
     var tau = 0.0;
     for (var k = 0u; k < steps; k++) {
         let low = f32(k) / f32(steps);
@@ -17,5 +21,5 @@ fn quadratic_march(p: vec3f, steps: u32) -> f32 {
         let q = point_at(ray, 0.5 * (low * low + high * high) * length_m);
         tau += extinction(q) * (high * high - low * low) * length_m;
     }
-    return exp(-tau);
+    return tau;
 }

@@ -5,6 +5,7 @@ use super::scene::SceneOptions;
 use occlab::Error;
 use occlab::oracle::{LightColumn, Oracle};
 use occlab::probe::Probe as Curves;
+use occlab::scene::MapFit;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
@@ -100,7 +101,7 @@ impl ProbeArgs {
             return Ok((column, Some(seen_m), format!("pixel {x},{y}")));
         }
         let [u, v] = self.column.unwrap_or_default();
-        match oracle.map_column([u, v], RESOLUTION) {
+        match oracle.map_column([u, v], RESOLUTION, MapFit::Square) {
             Some(column) => Ok((column, None, format!("map column {u},{v}"))),
             None => Err(Error::input(
                 "--column",

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::occlusion::MethodSetup;
 use crate::oracle::{LightColumn, Oracle};
 use crate::probe::Probe;
+use crate::scene::MapFit;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Where a light column is.
@@ -13,8 +14,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub enum Where {
     /// Through the cloud seen at a pixel, counted from the top left.
     Pixel([u32; 2]),
-    /// At (u, v) in `[0, 1]²` of the light map with this many texels along an edge.
-    Column([f64; 2], u32),
+    /// At (u, v) in `[0, 1]²` of the light map with this many texels along an edge, laid as its method does.
+    Column([f64; 2], u32, MapFit),
 }
 
 /// Curves along a light column.
@@ -82,8 +83,8 @@ fn find(oracle: &Oracle, at: Where) -> Result<(LightColumn, Option<f64>)> {
             let seen_m = oracle.light_depth_m(point);
             Ok((oracle.column_through(point), Some(seen_m)))
         }
-        Where::Column([u, v], resolution) => {
-            let column = oracle.map_column([u, v], resolution).ok_or_else(|| {
+        Where::Column([u, v], resolution, fit) => {
+            let column = oracle.map_column([u, v], resolution, fit).ok_or_else(|| {
                 Error::input(
                     format!("map column {u:.3}, {v:.3}"),
                     "the light there meets nothing of the layer",

@@ -209,7 +209,10 @@ fn picture(app: &mut App, ui: &mut egui::Ui, setup: &MethodSetup) {
     about(&mut beside, painted, pointed.map(|_| texel));
     if response.clicked() {
         let middle = texel.map(|i| (f64::from(i) + 0.5) / f64::from(resolution));
-        probe::ask(app, Where::Column(middle, resolution));
+        // A method whose map is shown has the parameters of maps.
+        if let Ok(fit) = setup.map_fit() {
+            probe::ask(app, Where::Column(middle, resolution, fit));
+        }
     }
 }
 

@@ -82,7 +82,7 @@ pub fn draw(app: &mut App, ui: &mut egui::Ui) {
         };
         let place = match asked.at {
             Where::Pixel([x, y]) => format!("Pixel {x}, {y}"),
-            Where::Column([u, v], _) => format!("Map column {u:.3}, {v:.3}"),
+            Where::Column([u, v], ..) => format!("Map column {u:.3}, {v:.3}"),
         };
         let earlier = if app.asked_here().is_some() {
             ""

@@ -1,7 +1,18 @@
-//! Placement of a light map: the rectangle perpendicular to the sun that covers what the camera sees.
+//! Placement of a light map: the rectangle perpendicular to the sun that covers what the camera sees, and the texels in it.
 
-use super::{Container, ImageSize, Scene};
+use super::{Container, ImageSize, MapWarp, Scene};
 use glam::DVec3;
+
+/// How the rectangle of a map is laid around what the view sees of the layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MapFit {
+    /// A square of the larger of the two extents.
+    Square,
+    /// One extent an axis.
+    Axes,
+    /// One extent an axis, texels denser where the view takes its samples: density to this power in 0…1. See [`MapWarp`].
+    Warped(f64),
+}
 
 /// The rectangle of a map in the plane perpendicular to the sun.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,82 +23,193 @@ pub struct MapRectangle {
     pub v_axis: DVec3,
     /// (p·u, p·v) of the corner of texel (0, 0), metres.
     pub origin_m: [f64; 2],
-    /// Edge, metres.
-    pub extent_m: f64,
+    /// Edges along both axes, metres.
+    pub extent_m: [f64; 2],
     /// Longest column, metres; 0 when no ray cast through the view meets the layer.
     pub depth_m: f64,
+    /// Texels of unequal size; `None` = equal.
+    pub warp: Option<MapWarp>,
 }
 
 /// Rays cast through the picture along x and y, edges included, to find the visible part of the layer.
-const RAYS: [i32; 2] = [48, 32];
+const RAYS: [u32; 2] = [48, 32];
+/// Rays, and samples on each, that stand for the view's samples.
+const WARP_RAYS: [u32; 2] = [96, 64];
+const WARP_SAMPLES: u32 = 64;
 /// Scale of the rectangle: the visible region bulges between the rays.
 const MARGIN: f64 = 1.02;
 
 impl MapRectangle {
-    /// The rectangle for what the camera sees of the layer. Its size moves in steps of 2^¼ and its corner in whole
-    /// texels, so that a moving camera does not make the map swim.
-    pub fn fit(scene: &Scene, image: ImageSize, resolution: u32) -> Self {
-        let sun = scene.sun.direction();
-        let helper = if sun.y.abs() > 0.9 {
-            DVec3::X
-        } else {
-            DVec3::Y
-        };
-        let u_axis = helper.cross(sun).normalize();
-        let v_axis = sun.cross(u_axis);
-        let Some((low, high)) = seen_bounds(scene, image, u_axis, v_axis) else {
+    /// The rectangle for what the camera sees of the layer. Where texels are equal, its size moves in steps of 2^¼ and its
+    /// corner in whole texels, so that a moving camera does not make the map swim.
+    pub fn fit(scene: &Scene, image: ImageSize, resolution: u32, fit: MapFit) -> Self {
+        let (u_axis, v_axis) = axes(scene);
+        let rays = ViewRays::new(scene, image);
+        let Some((low, high)) = seen_bounds(scene, &rays, u_axis, v_axis) else {
+            let warp = match fit {
+                MapFit::Warped(_) => Some(MapWarp::new(&[], 0.0)),
+                _ => None,
+            };
             return Self {
                 u_axis,
                 v_axis,
                 // Far away: light at points that the rays missed falls back to a counted march.
                 origin_m: [1e30; 2],
-                extent_m: 1.0,
+                extent_m: [1.0; 2],
                 depth_m: 0.0,
+                warp,
             };
         };
-        let r = f64::from(resolution);
-        // Snapping the corner down costs up to one texel. Few texels leave no room for that: they stay unsnapped.
-        let snaps = resolution > 4;
-        let room = if snaps { r / (r - 2.0) } else { 1.0 };
-        let needed = (high[0] - low[0]).max(high[1] - low[1]).max(1e-9) * MARGIN * room;
-        let extent_m = 2f64.powf((needed.log2() * 4.0).ceil() / 4.0);
-        let texel_m = extent_m / r;
-        let origin_m = [0, 1].map(|i| {
-            let centred_m = (low[i] + high[i] - extent_m) / 2.0;
-            if snaps {
-                (centred_m / texel_m).floor() * texel_m
-            } else {
-                centred_m
+        let needed = [0, 1].map(|i| (high[i] - low[i]).max(1e-9) * MARGIN);
+        let (origin_m, extent_m) = match fit {
+            MapFit::Square => {
+                let larger = needed[0].max(needed[1]);
+                snapped(low, high, [larger; 2], resolution)
             }
-        });
-        let far = origin_m.map(|o| o + extent_m);
+            MapFit::Axes => snapped(low, high, needed, resolution),
+            MapFit::Warped(_) => {
+                let centred = |i: usize| (low[i] + high[i] - needed[i]) / 2.0;
+                ([0, 1].map(centred), needed)
+            }
+        };
+        let far = [0, 1].map(|i| origin_m[i] + extent_m[i]);
+        let sun = scene.sun.direction();
         let depth_m = scene
             .container
             .longest_column_m(sun, u_axis, v_axis, origin_m, far);
-        // Columns are measured in f32 on the device: keep d/depth_m at or below 1.
-        Self {
+        let mut rectangle = Self {
             u_axis,
             v_axis,
             origin_m,
             extent_m,
+            // Columns are measured in f32 on the device: keep d/depth_m at or below 1.
             depth_m: depth_m * (1.0 + 1e-6),
+            warp: None,
+        };
+        if let MapFit::Warped(exponent) = fit {
+            let positions: Vec<_> = rays
+                .samples(scene)
+                .filter_map(|p| rectangle.uv(p))
+                .collect();
+            rectangle.warp = Some(MapWarp::new(&positions, exponent));
         }
+        rectangle
+    }
+
+    /// Map coordinates (u, v) of a point, in 0…1; `None` outside the rectangle.
+    pub fn uv(&self, p: DVec3) -> Option<[f64; 2]> {
+        let plane = [p.dot(self.u_axis), p.dot(self.v_axis)];
+        let position = [0, 1].map(|i| (plane[i] - self.origin_m[i]) / self.extent_m[i]);
+        let inside = position.iter().all(|x| (0.0..=1.0).contains(x));
+        inside.then(|| match &self.warp {
+            None => position,
+            Some(warp) => warp.forward(position),
+        })
+    }
+
+    /// A point of the column at map coordinates (u, v): the one whose component along the sun is 0.
+    pub fn column_origin(&self, uv: [f64; 2]) -> DVec3 {
+        let position = match &self.warp {
+            None => uv,
+            Some(warp) => warp.inverse(uv),
+        };
+        let plane = [0, 1].map(|i| self.origin_m[i] + position[i] * self.extent_m[i]);
+        plane[0] * self.u_axis + plane[1] * self.v_axis
+    }
+}
+
+/// u is horizontal and v points up along the plane. Both turn continuously with the sun, its azimuth at the zenith included.
+fn axes(scene: &Scene) -> (DVec3, DVec3) {
+    let sun = scene.sun.direction();
+    let horizontal = DVec3::Y.cross(sun);
+    let u_axis = match horizontal.length() > 1e-6 {
+        true => horizontal.normalize(),
+        false => {
+            let azimuth = scene.sun.azimuth_deg.to_radians();
+            DVec3::Y.cross(DVec3::new(azimuth.cos(), 0.0, azimuth.sin()))
+        }
+    };
+    (u_axis, sun.cross(u_axis))
+}
+
+/// Origin and extents of a rectangle around `low`…`high` whose texels snap.
+fn snapped(
+    low: [f64; 2],
+    high: [f64; 2],
+    needed: [f64; 2],
+    resolution: u32,
+) -> ([f64; 2], [f64; 2]) {
+    let r = f64::from(resolution);
+    // Snapping the corner down costs up to one texel. Few texels leave no room for that: they stay unsnapped.
+    let snaps = resolution > 4;
+    let room = if snaps { r / (r - 2.0) } else { 1.0 };
+    let extent_m = needed.map(|needed| 2f64.powf(((needed * room).log2() * 4.0).ceil() / 4.0));
+    let origin_m = [0, 1].map(|i| {
+        let centred_m = (low[i] + high[i] - extent_m[i]) / 2.0;
+        let texel_m = extent_m[i] / r;
+        match snaps {
+            true => (centred_m / texel_m).floor() * texel_m,
+            false => centred_m,
+        }
+    });
+    (origin_m, extent_m)
+}
+
+/// Rays of a picture's image plane.
+struct ViewRays {
+    position: DVec3,
+    basis: (DVec3, DVec3, DVec3),
+    half: (f64, f64),
+    far_m: f64,
+}
+
+impl ViewRays {
+    fn new(scene: &Scene, image: ImageSize) -> Self {
+        let aspect = f64::from(image.width) / f64::from(image.height);
+        Self {
+            position: scene.camera.position_m.into(),
+            basis: scene.camera.basis(),
+            half: scene.camera.half_extent(aspect),
+            far_m: scene.camera.far_m.unwrap_or(1e30),
+        }
+    }
+
+    /// Direction through (x, y) of the image plane, −1…1, y up.
+    fn direction(&self, x: f64, y: f64) -> DVec3 {
+        let (right, up, forward) = self.basis;
+        (forward + right * (x * self.half.0) + up * (y * self.half.1)).normalize()
+    }
+
+    /// Equally spaced samples inside the layer on rays through the middles of a grid over the picture: where a view march
+    /// asks for light, were there cloud everywhere.
+    fn samples<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = DVec3> + 'a {
+        let middle = |i: u32, n: u32| (2.0 * f64::from(i) + 1.0) / f64::from(n) - 1.0;
+        let rays = (0..WARP_RAYS[1]).flat_map(move |j| (0..WARP_RAYS[0]).map(move |i| (i, j)));
+        rays.flat_map(move |(i, j)| {
+            let direction = self.direction(middle(i, WARP_RAYS[0]), middle(j, WARP_RAYS[1]));
+            let intervals = scene
+                .container
+                .intervals(self.position, direction, 0.0, self.far_m);
+            let length_m: f64 = intervals.iter().map(|(a, b)| (b - a).max(0.0)).sum();
+            let samples = if length_m > 0.0 { WARP_SAMPLES } else { 0 };
+            (0..samples).map(move |k| {
+                let mut s = (f64::from(k) + 0.5) / f64::from(WARP_SAMPLES) * length_m;
+                for (start, end) in intervals {
+                    if end > start {
+                        if s <= end - start {
+                            return self.position + direction * (start + s);
+                        }
+                        s -= end - start;
+                    }
+                }
+                self.position + direction * intervals[0].1
+            })
+        })
     }
 }
 
 /// Bounds of (p·u, p·v) over the ends of the view's intervals inside the layer.
-fn seen_bounds(
-    scene: &Scene,
-    image: ImageSize,
-    u: DVec3,
-    v: DVec3,
-) -> Option<([f64; 2], [f64; 2])> {
-    let position = DVec3::from(scene.camera.position_m);
-    let (right, up, forward) = scene.camera.basis();
-    let (half_x, half_y) = scene
-        .camera
-        .half_extent(f64::from(image.width) / f64::from(image.height));
-    let far_m = scene.camera.far_m.unwrap_or(1e30);
+fn seen_bounds(scene: &Scene, rays: &ViewRays, u: DVec3, v: DVec3) -> Option<([f64; 2], [f64; 2])> {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let mut include = |p: DVec3| {
         for (i, value) in [p.dot(u), p.dot(v)].into_iter().enumerate() {
@@ -99,11 +221,14 @@ fn seen_bounds(
         for i in 0..=RAYS[0] {
             let x = 2.0 * f64::from(i) / f64::from(RAYS[0]) - 1.0;
             let y = 2.0 * f64::from(j) / f64::from(RAYS[1]) - 1.0;
-            let direction = (forward + right * (x * half_x) + up * (y * half_y)).normalize();
-            for (start, end) in scene.container.intervals(position, direction, 0.0, far_m) {
+            let direction = rays.direction(x, y);
+            for (start, end) in scene
+                .container
+                .intervals(rays.position, direction, 0.0, rays.far_m)
+            {
                 if end > start {
-                    include(position + direction * start);
-                    include(position + direction * end);
+                    include(rays.position + direction * start);
+                    include(rays.position + direction * end);
                 }
             }
         }
@@ -116,7 +241,6 @@ fn seen_bounds(
     }
     Some((low, high))
 }
-
 /// Clips the bounds to the box's projection along the sun: columns outside of it are empty.
 fn clip_to_box(
     low: &mut [f64; 2],

@@ -3,7 +3,7 @@
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, Front, LookUp, Twin, at_least_zero, smaller};
-use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, Plan};
+use super::{FORM, FRONT, GEOMETRY, LightOcclusion, Plan, TEXELS};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
@@ -65,7 +65,7 @@ impl LightOcclusion for Bsm {
             marker: Marker::Up,
             shader: "occlusion/bsm.wgsl",
             source: include_str!("../../../shaders/occlusion/bsm.wgsl"),
-            params: &[MAP_PARAMS, PARAMS],
+            params: &[GEOMETRY, TEXELS, PARAMS],
             monotone: true,
             bounded: true,
             tolerance: 1e-4,

@@ -3,7 +3,7 @@
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, Front, LookUp, Twin, at_least_zero};
-use super::{FORM, FRONT, LightOcclusion, MAP_PARAMS, Plan};
+use super::{FORM, FRONT, GEOMETRY, LightOcclusion, Plan, TEXELS};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
@@ -62,7 +62,7 @@ impl LightOcclusion for Esm {
             marker: Marker::Square,
             shader: "occlusion/esm.wgsl",
             source: include_str!("../../../shaders/occlusion/esm.wgsl"),
-            params: &[MAP_PARAMS, PARAMS],
+            params: &[GEOMETRY, TEXELS, PARAMS],
             monotone: true,
             bounded: false,
             tolerance: 2e-5,

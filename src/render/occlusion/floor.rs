@@ -3,7 +3,7 @@
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, LookUp, Twin};
-use super::{LightOcclusion, MAP_PARAMS, Plan};
+use super::{GEOMETRY, LightOcclusion, Plan, TEXELS};
 use crate::error::Result;
 use crate::param::Params;
 
@@ -36,7 +36,7 @@ impl LightOcclusion for Floor {
             marker: Marker::Plus,
             shader: "occlusion/floor.wgsl",
             source: include_str!("../../../shaders/occlusion/floor.wgsl"),
-            params: &[MAP_PARAMS],
+            params: &[GEOMETRY, TEXELS],
             monotone: true,
             bounded: false,
             tolerance: 2e-5,

@@ -3,7 +3,7 @@
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, LookUp, Twin, at_least_zero};
-use super::{FORM, LightOcclusion, MAP_PARAMS, Plan};
+use super::{FORM, GEOMETRY, LightOcclusion, Plan, TEXELS};
 use crate::error::Result;
 use crate::param::{Applies, AsPrinted, ParamKind, ParamSpec, Params};
 use crate::shader_defs::Defs;
@@ -123,7 +123,7 @@ impl LightOcclusion for Fom {
             marker: Marker::Diamond,
             shader: "occlusion/fom.wgsl",
             source: include_str!("../../../shaders/occlusion/fom.wgsl"),
-            params: &[MAP_PARAMS, PARAMS],
+            params: &[GEOMETRY, TEXELS, PARAMS],
             monotone: false,
             bounded: false,
             tolerance: 2e-5,

@@ -1,13 +1,27 @@
-//! Parameters that maps share. The renderer reads them by name: `resolution`, `steps` and `sampling` of every map,
-//! `storage` where it holds floats, `lookup` where it is read by texels.
+//! Parameters that maps share. The renderer reads them by name: those of [`GEOMETRY`] of every map, `storage` where it
+//! holds floats, `lookup` where it is read by texels.
 
 use crate::param::{Applies, AsPrinted, ParamKind, ParamSpec};
 
-/// Parameters of a map of floats that is read by texels.
-pub const MAP_PARAMS: &[ParamSpec] = &[RESOLUTION, STEPS, STORAGE, LOOKUP, SAMPLING];
+/// Parameters of every map, whatever it stores: where its texels and samples lie.
+pub const GEOMETRY: &[ParamSpec] = &[
+    RESOLUTION,
+    STEPS,
+    SAMPLING,
+    FIT,
+    WARP_EXPONENT,
+    NEAR_STEPS,
+    NEAR_REACH,
+];
+
+/// Parameters of a map of floats that is read by texels, beside [`GEOMETRY`].
+pub const TEXELS: &[ParamSpec] = &[STORAGE, LOOKUP];
+
+/// Numbers among them that the renderer reads, and no shader.
+pub const READ_BY_RENDERER: &[&str] = &[WARP_EXPONENT.name];
 
 /// Edge of a map.
-pub const RESOLUTION: ParamSpec = ParamSpec {
+const RESOLUTION: ParamSpec = ParamSpec {
     name: "resolution",
     unit: "texels",
     doc: "Edge of the square map.",
@@ -21,7 +35,7 @@ pub const RESOLUTION: ParamSpec = ParamSpec {
 };
 
 /// Samples of a column.
-pub const STEPS: ParamSpec = ParamSpec {
+const STEPS: ParamSpec = ParamSpec {
     name: "steps",
     unit: "",
     doc: "Samples a map column takes over its own length inside the layer.",
@@ -73,8 +87,8 @@ pub const TEXEL_LOOKUP: ParamSpec = ParamSpec {
     as_printed: &[],
 };
 
-/// Positions of the samples in a column.
-pub const SAMPLING: ParamSpec = ParamSpec {
+/// Where a column is sampled.
+const SAMPLING: ParamSpec = ParamSpec {
     name: "sampling",
     unit: "",
     doc: "Where a step is sampled: its midpoint, or its far end.",
@@ -87,6 +101,67 @@ pub const SAMPLING: ParamSpec = ParamSpec {
         option: "quadratic",
         doc: "step k of n is sampled at k(k+1)/(n(n−1)) of the column but counts at k/n, a misprint (thesis M, Algorithm 7)",
     }],
+};
+
+/// How the map's rectangle is laid.
+const FIT: ParamSpec = ParamSpec {
+    name: "fit",
+    unit: "",
+    doc: "Rectangle around what the view sees: square = one edge, the larger extent; axes = one extent an axis; warped = axes, with texels denser where the view takes its samples (Rosen 2012).",
+    kind: ParamKind::Choice {
+        options: &["square", "axes", "warped"],
+        default: "square",
+    },
+    applies: Applies::Always,
+    as_printed: &[],
+};
+
+/// How strongly texels follow the view's samples.
+const WARP_EXPONENT: ParamSpec = ParamSpec {
+    name: "warp_exponent",
+    unit: "",
+    doc: "Texel density is the density of the view's samples to this power, on each axis; 0 = equal texels.",
+    kind: ParamKind::Float {
+        min: 0.0,
+        max: 1.0,
+        default: 1.0 / 3.0,
+    },
+    applies: Applies::Choice {
+        of: "fit",
+        is: &["warped"],
+    },
+    as_printed: &[],
+};
+
+/// Steps of the march before the map is asked.
+const NEAR_STEPS: ParamSpec = ParamSpec {
+    name: "near_steps",
+    unit: "",
+    doc: "Samples marched from a point toward the sun, quadratically spaced, before the map answers for the rest; 0 = the map answers for all.",
+    kind: ParamKind::Int {
+        min: 0,
+        max: 64,
+        default: 0,
+    },
+    applies: Applies::Always,
+    as_printed: &[],
+};
+
+/// Reach of the march before the map is asked.
+const NEAR_REACH: ParamSpec = ParamSpec {
+    name: "near_m",
+    unit: "m",
+    doc: "Reach of the near march, at most the ray's length inside the layer.",
+    kind: ParamKind::Float {
+        min: 1e-3,
+        max: 1e6,
+        default: 300.0,
+    },
+    applies: Applies::AtLeast {
+        of: "near_steps",
+        min: 1,
+    },
+    as_printed: &[],
 };
 
 /// Definition of the front, where a column's cloud begins.

@@ -33,12 +33,12 @@ mod truth;
 pub use fom::thickness_of_opacity;
 pub use info::{Marker, MethodInfo, Role, Trial, Trials, trial};
 use map_params::{FORM, FRONT};
-pub use map_params::{LOOKUP, MAP_PARAMS, RESOLUTION, SAMPLING, STEPS, STORAGE, TEXEL_LOOKUP};
+pub use map_params::{GEOMETRY, LOOKUP, READ_BY_RENDERER, STORAGE, TEXEL_LOOKUP, TEXELS};
 pub use plan::Plan;
 
 use crate::error::{Error, Result};
 use crate::param::{ParamSpec, ParamValue, Params};
-use crate::scene::Scene;
+use crate::scene::{MapFit, Scene};
 use crate::shader_defs::Defs;
 use twin::Twin;
 
@@ -197,6 +197,15 @@ impl MethodSetup {
         Ok(self)
     }
 
+    /// How the rectangle of its map is laid.
+    pub fn map_fit(&self) -> Result<MapFit> {
+        Ok(match self.params.choice("fit")? {
+            "axes" => MapFit::Axes,
+            "warped" => MapFit::Warped(self.params.number("warp_exponent")?),
+            _ => MapFit::Square,
+        })
+    }
+
     /// Note for a user who set a parameter that has no effect at this setting; `None` where it has one.
     pub fn idle_note(&self, name: &str) -> Option<String> {
         let mut specs = self.method.info().specs();
@@ -214,6 +223,9 @@ impl MethodSetup {
             if let ParamValue::Choice(option) = value {
                 defs.insert(format!("{name}_{option}").to_uppercase(), None);
             }
+        }
+        if self.params.int("near_steps").is_ok_and(|steps| steps > 0) {
+            defs.insert("NEAR_MARCH".to_owned(), None);
         }
         defs
     }

@@ -15,7 +15,11 @@
 use super::MethodSetup;
 use super::rounding::FloatFormat;
 use crate::error::Result;
+use crate::scene::WARP_PARTS;
 use crate::shader_defs::Defs;
+
+/// Bytes of a warp's table: a knot of two f32 at both ends of every part.
+pub const WARP_BYTES: u64 = (WARP_PARTS as u64 + 1) * 8;
 
 /// Map and shader definitions that a method needs at given parameters.
 #[derive(Clone, Debug, Default)]

@@ -3,6 +3,7 @@
 //! A twin sees light rays and columns, not the scene: it can be evaluated for any extinction. NaN passes through every
 //! twin, so that the failure of a form shows.
 
+use super::MethodSetup;
 #[cfg(doc)]
 use super::rounding::FloatFormat;
 use super::rounding::Rounding;
@@ -177,6 +178,39 @@ pub fn march(
         }
     }
     (-tau).exp()
+}
+
+/// The first metres toward the sun, marched at every look-up; the map answers for what is behind them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearMarch {
+    /// Steps, quadratically spaced; 0 = the map answers for the whole ray.
+    steps: u32,
+    /// Reach, metres; the ray's length where that is shorter.
+    reach_m: f64,
+}
+
+impl NearMarch {
+    /// The parameters `near_steps` and `near_m` of a map.
+    pub fn new(setup: &MethodSetup) -> Result<Self> {
+        let steps = setup.params.int("near_steps")?;
+        let reach_m = setup.params.number("near_m")?;
+        Ok(Self { steps, reach_m })
+    }
+
+    /// Metres of a ray of `length_m` that are marched.
+    pub fn reach_m(self, length_m: f64) -> f64 {
+        match self.steps {
+            0 => 0.0,
+            _ => self.reach_m.min(length_m),
+        }
+    }
+
+    /// Transmittance of the marched part of `ray`.
+    pub fn transmittance(self, ray: &dyn LightRay) -> f64 {
+        let n = f64::from(self.steps);
+        let reach_m = self.reach_m(ray.length_m());
+        march(ray, reach_m, self.steps, |k| (k / n).powi(2), 0.5)
+    }
 }
 
 /// V of the fallback outside a map's rectangle: a march of six quadratic steps.

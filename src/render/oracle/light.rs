@@ -169,7 +169,10 @@ impl<'a> Occlusion<'a> {
                     count(&tally.fallbacks);
                     return fallback(&ray);
                 };
-                map.transmittance(uv, layer.length_m())
+                let near = map.near();
+                let length_m = layer.length_m();
+                let far = map.transmittance(uv, length_m - near.reach_m(length_m));
+                near.transmittance(&ray) * far
             }
         }
     }

@@ -8,7 +8,7 @@ use super::{Options, Oracle};
 use crate::error::{Error, Result};
 use crate::occlusion::plan::MapLayout;
 use crate::occlusion::rounding::Rounding;
-use crate::occlusion::twin::{Column, Encoding, LookUp};
+use crate::occlusion::twin::{Column, Encoding, LookUp, NearMarch};
 use crate::occlusion::{MethodSetup, Plan};
 use crate::scene::Container;
 use crate::scene::MapRectangle;
@@ -59,6 +59,7 @@ impl Rule {
 /// A light map whose texels are marched at their first look-up.
 pub(super) struct LightMap {
     rectangle: MapRectangle,
+    near: NearMarch,
     container: Container,
     field: Arc<OracleField>,
     skip: bool,
@@ -96,7 +97,8 @@ impl LightMap {
             ));
         }
         Ok(Self {
-            rectangle: MapRectangle::fit(scene, *image, resolution),
+            rectangle: MapRectangle::fit(scene, *image, resolution, setup.map_fit()?),
+            near: NearMarch::new(setup)?,
             container: scene.container.clone(),
             field: oracle.field.clone(),
             skip: options.skip,
@@ -113,12 +115,12 @@ impl LightMap {
 
     /// (u, v) in the rectangle; `None` outside.
     pub fn uv(&self, p: DVec3) -> Option<[f64; 2]> {
-        let r = &self.rectangle;
-        let uv = [
-            (p.dot(r.u_axis) - r.origin_m[0]) / r.extent_m,
-            (p.dot(r.v_axis) - r.origin_m[1]) / r.extent_m,
-        ];
-        uv.iter().all(|v| (0.0..=1.0).contains(v)).then_some(uv)
+        self.rectangle.uv(p)
+    }
+
+    /// The march from a point toward the sun before the map is asked.
+    pub fn near(&self) -> NearMarch {
+        self.near
     }
 
     /// V at depth `depth_m`.
@@ -179,12 +181,9 @@ impl LightMap {
 
     /// The column through a point of the map, from the sun side.
     fn column(&self, uv: [f64; 2]) -> LayerRay {
-        let r = &self.rectangle;
-        let plane = [0, 1].map(|i| r.origin_m[i] + uv[i] * r.extent_m);
-        let origin = plane[0] * r.u_axis + plane[1] * r.v_axis;
         LayerRay::new(
             &self.container,
-            origin,
+            self.rectangle.column_origin(uv),
             -self.sun,
             (-UNLIMITED_M, UNLIMITED_M),
         )

@@ -2,7 +2,7 @@
 
 use super::layer::{LayerRay, UNLIMITED_M};
 use super::{LightColumn, Oracle};
-use crate::scene::MapRectangle;
+use crate::scene::{MapFit, MapRectangle};
 use glam::DVec3;
 
 /// Samples along a view ray.
@@ -25,12 +25,11 @@ impl Oracle {
         Some(point(half as u32))
     }
 
-    /// The light column at (u, v) in `[0, 1]²` of the rectangle that a map of `resolution` texels covers in this view;
-    /// the first texel is at (0, 0). `None` where it misses the layer.
-    pub fn map_column(&self, uv: [f64; 2], resolution: u32) -> Option<LightColumn> {
-        let map = MapRectangle::fit(&self.scene, self.image, resolution);
-        let [u, v] = [0, 1].map(|i| map.origin_m[i] + uv[i] * map.extent_m);
-        let column = self.column_through(u * map.u_axis + v * map.v_axis);
+    /// The light column at map coordinates (u, v) in `[0, 1]²` of a map of `resolution` texels in this view, laid as `fit`
+    /// says; the first texel is at (0, 0). `None` where it misses the layer.
+    pub fn map_column(&self, uv: [f64; 2], resolution: u32, fit: MapFit) -> Option<LightColumn> {
+        let map = MapRectangle::fit(&self.scene, self.image, resolution, fit);
+        let column = self.column_through(map.column_origin(uv));
         (column.length_m() > 0.0).then_some(column)
     }
 

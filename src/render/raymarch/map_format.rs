@@ -3,8 +3,9 @@
 use crate::cost::Memory;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::occlusion::plan::{MapLayout, MapNumbers, MapPlan, texels};
+use crate::occlusion::plan::{MapLayout, MapNumbers, MapPlan, WARP_BYTES, texels};
 use crate::occlusion::{MethodSetup, Plan};
+use crate::scene::MapFit;
 use crate::shader_defs::Defs;
 use wgpu::TextureFormat as F;
 
@@ -197,8 +198,17 @@ fn anything(_: F) -> FormatUse {
     }
 }
 
-/// Memory of a plan's map in `format` and of the resources beside it.
-pub(super) fn memory(plan: &MapPlan, format: Option<TexelFormat>, resolution: u32) -> Memory {
+/// Memory of a plan's map in `format`, with everything beside it.
+pub(super) fn memory(
+    plan: &MapPlan,
+    format: Option<TexelFormat>,
+    setup: &MethodSetup,
+) -> Result<Memory> {
+    let resolution = setup.params.int("resolution")?;
+    let warp_bytes = match setup.map_fit()? {
+        MapFit::Warped(_) => WARP_BYTES,
+        MapFit::Square | MapFit::Axes => 0,
+    };
     let (values, slices) = match plan.layout {
         MapLayout::Array { values, .. } => (values, 1),
         MapLayout::Volume { values, slices, .. } => (values, slices),
@@ -215,13 +225,13 @@ pub(super) fn memory(plan: &MapPlan, format: Option<TexelFormat>, resolution: u3
         let bytes = resources.filter(|r| r.temporary == temporary);
         bytes.map(|r| r.kind.bytes()).sum()
     };
-    let (kept, temporary_bytes) = (beside(false), beside(true));
-    Memory {
+    let (kept, temporary_bytes) = (beside(false) + warp_bytes, beside(true));
+    Ok(Memory {
         payload_bytes: bytes(values) + kept,
         map_bytes: bytes(stored_values) + kept + temporary_bytes,
         allocator_bytes: None,
         temporary_bytes,
-    }
+    })
 }
 
 /// Memory of a method on an assumed device that stores every format.
@@ -230,7 +240,7 @@ pub fn planned_memory(setup: &MethodSetup) -> Result<Memory> {
         return Ok(Memory::default());
     };
     let format = TexelFormat::choose(setup, map.layout, anything)?;
-    Ok(memory(&map, format, setup.params.int("resolution")?))
+    memory(&map, format, setup)
 }
 
 /// Definitions of a map in `format`.

@@ -1,6 +1,6 @@
 //! The passes that fill a light map: the one that marches its columns, and a method's own before and after it.
 
-use super::light_map::map_uniform;
+use super::light_map::offer_geometry;
 use super::map_format::{TexelFormat, defs, usable};
 use super::map_storage::MapStorage;
 use super::tiles::{Pass, SLOW_SAMPLES_A_MS, Tiles};
@@ -56,9 +56,9 @@ impl MapPasses {
         let format = TexelFormat::choose(setup, plan.layout, |format| usable(gpu, format))?;
         defs.extend(self::defs(plan.layout, format));
         let storage = MapStorage::new(gpu, setup, plan, format, inputs)?;
-        let rectangle = MapRectangle::fit(&view.scene, view.image, storage.resolution);
-        let steps = setup.params.int("steps")?;
-        inputs.uniform("map", map_uniform(&rectangle, storage.resolution, steps));
+        let fit = setup.map_fit()?;
+        let rectangle = MapRectangle::fit(&view.scene, view.image, storage.resolution, fit);
+        offer_geometry(gpu, &rectangle, &storage, setup, inputs)?;
         let around = MapContext {
             renderer,
             view,

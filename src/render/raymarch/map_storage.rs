@@ -94,7 +94,7 @@ impl MapStorage {
         Ok(Self {
             layout: plan.layout,
             resolution,
-            memory: memory(plan, format, resolution),
+            memory: memory(plan, format, setup)?,
             content,
             textures,
         })

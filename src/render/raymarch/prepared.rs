@@ -10,7 +10,7 @@ use crate::cost::{Counts, Memory, PassTimes, Samples};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, Program, UniformValue, read_buffer};
-use crate::occlusion::MethodSetup;
+use crate::occlusion::{MethodSetup, READ_BY_RENDERER};
 use crate::param::ParamValue;
 use crate::progress::Progress;
 use std::rc::Rc;
@@ -224,7 +224,8 @@ fn check_params_read(setup: &MethodSetup, march: &Kernel, map: Option<&MapPasses
             .iter()
             .any(|k| k.members("params").contains(&name) || k.members("map").contains(&name));
         let defined = plan.defs.contains_key(&name.to_uppercase());
-        if !read && !defined && !matches!(value, ParamValue::Choice(_)) {
+        let used = read || defined || READ_BY_RENDERER.contains(&name);
+        if !used && !matches!(value, ParamValue::Choice(_)) {
             let info = setup.method.info();
             return Err(Error::Shader {
                 file: format!("shaders/{}", info.shader),

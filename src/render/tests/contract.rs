@@ -13,7 +13,7 @@ use common::{
 use occlab::frame::{Frame, is_nonfinite};
 use occlab::occlusion::twin::{self, Twin};
 use occlab::occlusion::{
-    LightOcclusion, MAP_PARAMS, Marker, MethodInfo, MethodSetup, REGISTRY, Role, Trials,
+    GEOMETRY, LightOcclusion, Marker, MethodInfo, MethodSetup, REGISTRY, Role, TEXELS, Trials,
 };
 use occlab::param::Params;
 use occlab::scene::ImageSize;
@@ -340,7 +340,8 @@ fn extreme_media_give_finite_pictures() {
 /// The method's defaults, and every option of the choices that not all maps share, one at a time.
 fn own_choices(info: &'static MethodInfo) -> Vec<String> {
     let own = info.specs().filter(|spec| {
-        let shared = MAP_PARAMS.iter().any(|map| map.name == spec.name);
+        let mut maps = GEOMETRY.iter().chain(TEXELS);
+        let shared = maps.any(|map| map.name == spec.name);
         !shared && spec.is_everyday()
     });
     let set = own.flat_map(|spec| {

@@ -6,8 +6,8 @@ use occlab::occlusion::plan::{
 use occlab::occlusion::rounding::{FloatFormat, Rounding, fraction};
 use occlab::occlusion::twin::{Column, Encoding, LookUp, Twin, between_slices};
 use occlab::occlusion::{
-    LOOKUP, LightOcclusion, Marker, MethodInfo, MethodSetup, Plan, RESOLUTION, Role, SAMPLING,
-    STEPS, STORAGE, TEXEL_LOOKUP, Trials,
+    GEOMETRY, LOOKUP, LightOcclusion, Marker, MethodInfo, MethodSetup, Plan, Role, STORAGE,
+    TEXEL_LOOKUP, Trials,
 };
 use occlab::param::{Applies, ParamKind, ParamSpec, Params};
 use occlab::{Error, Result};
@@ -54,10 +54,10 @@ const CONTROL: ParamSpec = ParamSpec {
     applies: Applies::Always,
     as_printed: &[],
 };
-const FLOATS: &[ParamSpec] = &[RESOLUTION, STEPS, SAMPLING, STORAGE, LOOKUP, CONTROL];
-const SAMPLED: &[ParamSpec] = &[RESOLUTION, STEPS, SAMPLING, STORAGE, CONTROL];
-const FRACTIONS: &[ParamSpec] = &[RESOLUTION, STEPS, SAMPLING, LOOKUP, CONTROL];
-const PACKED: &[ParamSpec] = &[RESOLUTION, STEPS, SAMPLING, TEXEL_LOOKUP, CONTROL];
+const FLOATS: &[ParamSpec] = &[STORAGE, LOOKUP, CONTROL];
+const SAMPLED: &[ParamSpec] = &[STORAGE, CONTROL];
+const FRACTIONS: &[ParamSpec] = &[LOOKUP, CONTROL];
+const PACKED: &[ParamSpec] = &[TEXEL_LOOKUP, CONTROL];
 
 const fn info(
     id: &'static str,
@@ -90,7 +90,11 @@ const fn info(
 }
 
 pub static VOLUME: Method = Method {
-    info: &info("test/volume.wgsl", include_str!("volume.wgsl"), &[SAMPLED]),
+    info: &info(
+        "test/volume.wgsl",
+        include_str!("volume.wgsl"),
+        &[GEOMETRY, SAMPLED],
+    ),
     plan: |_| {
         Plan::of(MapLayout::Volume {
             slices: SLICES,
@@ -105,7 +109,7 @@ pub static FRACTION: Method = Method {
     info: &info(
         "test/fraction.wgsl",
         include_str!("fraction.wgsl"),
-        &[FRACTIONS],
+        &[GEOMETRY, FRACTIONS],
     ),
     plan: |_| {
         Plan::of(MapLayout::Array {
@@ -117,7 +121,11 @@ pub static FRACTION: Method = Method {
 };
 
 pub static WORD: Method = Method {
-    info: &info("test/word.wgsl", include_str!("word.wgsl"), &[PACKED]),
+    info: &info(
+        "test/word.wgsl",
+        include_str!("word.wgsl"),
+        &[GEOMETRY, PACKED],
+    ),
     plan: |_| {
         Plan::of(MapLayout::Array {
             values: 1,
@@ -128,7 +136,11 @@ pub static WORD: Method = Method {
 };
 
 pub static BUFFER: Method = Method {
-    info: &info("test/buffer.wgsl", include_str!("buffer.wgsl"), &[PACKED]),
+    info: &info(
+        "test/buffer.wgsl",
+        include_str!("buffer.wgsl"),
+        &[GEOMETRY, PACKED],
+    ),
     plan: |_| Plan::of(MapLayout::Buffer { words: SLICES }),
     twin: None,
 };
@@ -138,7 +150,7 @@ pub static BOUNDED: Method = Method {
     info: &info(
         "test/bounded.wgsl",
         include_str!("bounded.wgsl"),
-        &[FRACTIONS],
+        &[GEOMETRY, FRACTIONS],
     ),
     plan: |control| {
         let mut map = MapPlan::of(MapLayout::Array {
@@ -163,7 +175,11 @@ pub static BOUNDED: Method = Method {
 
 /// A box blur of 3 × 3 texels, rows first.
 pub static BLURRED: Method = Method {
-    info: &info("test/blurred.wgsl", include_str!("blurred.wgsl"), &[FLOATS]),
+    info: &info(
+        "test/blurred.wgsl",
+        include_str!("blurred.wgsl"),
+        &[GEOMETRY, FLOATS],
+    ),
     plan: |control| {
         let mut map = floats();
         map.resources.push(MapResource {
@@ -186,7 +202,11 @@ pub static BLURRED: Method = Method {
 
 /// The mean of 2 × 2 texels as a second level, which alone is read.
 pub static MIPPED: Method = Method {
-    info: &info("test/mipped.wgsl", include_str!("mipped.wgsl"), &[FLOATS]),
+    info: &info(
+        "test/mipped.wgsl",
+        include_str!("mipped.wgsl"),
+        &[GEOMETRY, FLOATS],
+    ),
     plan: |control| {
         let mut map = floats();
         map.levels = 2;
@@ -202,7 +222,11 @@ pub static MIPPED: Method = Method {
 
 /// Refers to a mip level that its map does not have.
 pub static LEVELLESS: Method = Method {
-    info: &info("test/mipped.wgsl", include_str!("mipped.wgsl"), &[FLOATS]),
+    info: &info(
+        "test/mipped.wgsl",
+        include_str!("mipped.wgsl"),
+        &[GEOMETRY, FLOATS],
+    ),
     plan: |_| {
         let mut map = floats();
         map.after.push(pass("halve", &[("map_store", 1)]));
