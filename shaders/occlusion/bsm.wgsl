@@ -8,7 +8,7 @@
 //        fitted    σ̄ = Σ w τ x/Σ w x²,  x = max(0, d − z),  w = σT: least squares of τ(d) on σ̄ alone
 // Sources: Hillaire 2020; thesis M, Algorithms 5 and 6. Cost: look-up one exponential; fitted marches the column twice.
 #import map::{map, Tap, fetch}
-#import column::{Column, sample_depth, sample_extinction, store}
+#import column::{Column, sample_extinction, step_depth, store}
 #import front::{front_in_step, over_depth}
 
 // f16 holds 65504: a larger σ̄·depth_m would become infinite, and exp(−64) is 0 for any picture.
@@ -56,7 +56,7 @@ fn fitted_extinction(column: Column, front: f32) -> f32 {
     for (var k = 0u; k < map.steps; k++) {
         let sigma = sample_extinction(column, k);
         let at_sample = tau + 0.5 * sigma * column.step_m;
-        let x = max(0.0, (f32(k) + 0.5) * column.step_m / map.depth_m - front);
+        let x = max(0.0, step_depth(column, f32(k) + 0.5) / map.depth_m - front);
         let weight = sigma * exp(-at_sample);
         cross += weight * at_sample * x;
         square += weight * x * x;

@@ -6,7 +6,7 @@
 // Source: cumulative (opacity) column as in deep shadow maps, Lokovic & Veach 2000, without their compression.
 // Cost: n values a texel; look-up two fetches.
 #import map::{map, Tap, column_length, fetch}
-#import column::{Column, sample_extinction, store}
+#import column::{Column, sample_extinction, steps_before, store}
 
 // f16 holds 65504: between two infinite values a look-up would interpolate NaN, and exp(−6e4) is 0 anyway.
 const LARGEST_TAU: f32 = 6e4;
@@ -15,7 +15,11 @@ fn encode(column: Column) {
     var tau = 0.0;
     var values = vec4f(0.0);
     for (var k = 0u; k < map.steps; k++) {
+#ifdef PLACEMENT_OCCUPIED
+        tau = depth_after_share(column, f32(k + 1u) / f32(map.steps));
+#else
         tau += sample_extinction(column, k) * column.step_m;
+#endif
         let channel = k % 4u;
         values = select(values, vec4f(min(tau, LARGEST_TAU)), vec4u(channel) <= vec4u(0u, 1u, 2u, 3u));
         if channel == 3u || k + 1u == map.steps {
@@ -23,6 +27,23 @@ fn encode(column: Column) {
         }
     }
 }
+
+#ifdef PLACEMENT_OCCUPIED
+var<private> marched: u32;          // steps whose depth is in `marched_tau`
+var<private> marched_tau: f32;
+var<private> marched_sigma: f32;    // extinction of the last of them
+
+// Optical depth of a share of the column's length, asked for in growing order: samples lie elsewhere than what is stored.
+fn depth_after_share(column: Column, share: f32) -> f32 {
+    let x = clamp(steps_before(column, share * column.length_m), 0.0, f32(map.steps));
+    while marched < map.steps && f32(marched) < x {
+        marched_sigma = sample_extinction(column, marched);
+        marched_tau += marched_sigma * column.step_m;
+        marched += 1u;
+    }
+    return marched_tau - marched_sigma * max(f32(marched) - x, 0.0) * column.step_m;
+}
+#endif
 
 // Optical depth after k steps.
 fn depth_after(tap: Tap, k: u32) -> f32 {

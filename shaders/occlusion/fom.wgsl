@@ -9,7 +9,7 @@
 // Harmonics by recurrence from one sine and cosine of the reduced angle 2π·fract(x) − π: WGSL promises 2⁻¹¹ only there.
 // Source: Jansen & Bavoil 2010, eqs. 6–9; thesis M, Algorithms 7 and 8. Cost: look-up ⌈values/4⌉ fetches, n rotations.
 #import map::{map, Tap, fetch}
-#import column::{Column, sample_depth, sample_extinction, store}
+#import column::{Column, sample_depth, sample_extinction, step_depth, store}
 
 const ORDER: u32 = #{ORDER}u;
 const LAYERS: u32 = #{LAYERS}u;
@@ -45,7 +45,7 @@ fn bounds(column: Column) -> vec2f {
             last = k + 1u;
         }
     }
-    return vec2f(f32(min(first, last)), f32(last)) * column.step_m / map.depth_m;
+    return vec2f(step_depth(column, f32(min(first, last))), step_depth(column, f32(last))) / map.depth_m;
 #else
     return vec2f(0.0, 1.0);
 #endif

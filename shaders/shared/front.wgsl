@@ -6,20 +6,24 @@
 //
 // Cost: one column march up to the front.
 #import map::map
-#import column::{Column, sample_extinction}
+#import column::{Column, sample_extinction, step_depth}
 
 const FRONT_TAU: f32 = 0.010050336; // −ln 0.99
 
 // One step of the search: the front, metres, or −1 while it is not reached. `tau` is the depth before step k.
 fn front_in_step(column: Column, k: u32, sigma: f32, tau: f32) -> f32 {
-    let near_m = f32(k) * column.step_m;
+    let near_m = step_depth(column, f32(k));
 #ifdef FRONT_FIRST
     return select(-1.0, near_m, sigma > 0.0 && column.step_m > 0.0);
 #else
     if tau + sigma * column.step_m <= FRONT_TAU {
         return -1.0;
     }
+#ifdef PLACEMENT_OCCUPIED
+    return step_depth(column, f32(k) + max(FRONT_TAU - tau, 0.0) / (sigma * column.step_m));
+#else
     return near_m + max(FRONT_TAU - tau, 0.0) / sigma;
+#endif
 #endif
 }
 

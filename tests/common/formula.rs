@@ -36,7 +36,7 @@ pub fn mapped(setup: &MethodSetup, ray: &dyn LightRay, depth_m: f64) -> f64 {
         setup.params.int("steps").unwrap(),
         setup.params.choice("sampling").unwrap(),
     );
-    let column = Column::march(ray, steps, sampling, ray.length_m());
+    let column = Column::march(ray, steps, sampling, None, ray.length_m());
     let values = map.encode(&column, &Rounding::EXACT);
     let look_up = LookUp {
         depth: depth_m / ray.length_m(),

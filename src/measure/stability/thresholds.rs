@@ -110,7 +110,7 @@ impl Map {
 
     /// Values that a texel stores for a column of 100 steps.
     fn stored(&self, ray: &Slab, rounding: &Rounding) -> Vec<f64> {
-        let column = Column::march(ray, 100, "midpoint", 1.0);
+        let column = Column::march(ray, 100, "midpoint", None, 1.0);
         let values = self.encoding.encode(&column, rounding);
         self.encoding.stored(values, rounding)
     }

@@ -16,9 +16,22 @@ const TRIALS: Trials = Trials {
         trial("storage=f32", "sampling=end storage=f32"),
         trial("lookup=hardware", "lookup=nearest"),
         trial("sampling=end", ""),
+        trial("fit=axes", ""),
+        trial("fit=warped", "fit=warped warp_exponent=0.5"),
+        trial("placement=occupied", ""),
+        trial("near_steps=3 near_m=0.2", "near_steps=3 near_m=0.1"),
     ],
-    clouds: &[trial("", "sampling=end")],
-    texels: &[trial("", "sampling=end")],
+    clouds: &[
+        trial("", "sampling=end"),
+        trial("fit=warped placement=occupied", "fit=warped"),
+        trial("fit=axes near_steps=4", "fit=axes near_steps=3"),
+    ],
+    texels: &[
+        trial("", "sampling=end"),
+        trial("fit=axes", ""),
+        trial("fit=warped", "fit=axes"),
+        trial("placement=occupied", ""),
+    ],
     exact: &[""],
 };
 
@@ -66,6 +79,13 @@ struct Cumulative;
 
 impl Encoding for Cumulative {
     fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64> {
+        if column.spans.is_some() {
+            // Samples lie elsewhere than what is stored.
+            let n = column.extinction_per_m.len();
+            let edge = |k: usize| k as f64 / n as f64 * column.length_m;
+            let depth = |k: usize| column.optical_depth_before(edge(k)).min(LARGEST_TAU);
+            return (1..=n).map(depth).collect();
+        }
         let edges = column.thicknesses().scan(0.0, |tau, thickness| {
             *tau = rounding.computed(*tau + thickness);
             Some(tau.min(LARGEST_TAU))

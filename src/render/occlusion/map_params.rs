@@ -8,6 +8,7 @@ pub const GEOMETRY: &[ParamSpec] = &[
     RESOLUTION,
     STEPS,
     SAMPLING,
+    PLACEMENT,
     FIT,
     WARP_EXPONENT,
     NEAR_STEPS,
@@ -101,6 +102,19 @@ const SAMPLING: ParamSpec = ParamSpec {
         option: "quadratic",
         doc: "step k of n is sampled at k(k+1)/(n(n−1)) of the column but counts at k/n, a misprint (thesis M, Algorithm 7)",
     }],
+};
+
+/// Where the steps of a column lie.
+const PLACEMENT: ParamSpec = ParamSpec {
+    name: "placement",
+    unit: "",
+    doc: "Where a column's steps lie: even = over its whole length; occupied = only where it may hold medium.",
+    kind: ParamKind::Choice {
+        options: &["even", "occupied"],
+        default: "even",
+    },
+    applies: Applies::Always,
+    as_printed: &[],
 };
 
 /// How the map's rectangle is laid.

@@ -18,6 +18,7 @@ mod info;
 mod map_params;
 pub mod plan;
 pub mod rounding;
+pub mod spans;
 pub mod twin;
 
 mod bsm;

@@ -46,8 +46,7 @@ fn along(way: &Way, setup: &MethodSetup) -> Vec<u64> {
                 storage: setup.stored_format().unwrap().unwrap(),
                 ..Rounding::device("f32", false)
             };
-            let (steps, sampling) = (params.int("steps"), params.choice("sampling"));
-            let column = Column::march(way, steps.unwrap(), sampling.unwrap(), 3917.3);
+            let column = Column::of_map(way, params, 3917.3).unwrap();
             let stored = map.stored(map.encode(&column, &rounding), &rounding);
             let at = |depth| LookUp {
                 depth,

@@ -7,6 +7,7 @@ use super::MethodSetup;
 #[cfg(doc)]
 use super::rounding::FloatFormat;
 use super::rounding::Rounding;
+use super::spans::Spans;
 use crate::error::Result;
 use crate::param::Params;
 
@@ -24,6 +25,12 @@ pub trait LightRay {
 
     /// Extinction at distance `s_m` along it, m⁻¹, ≥ 0.
     fn extinction_per_m(&self, s_m: f64) -> f64;
+
+    /// Length before and behind `s_m` over which extinction is provably 0, metres, whether or not marches skip it;
+    /// `None` = nothing is known.
+    fn empty_m(&self, _s_m: f64) -> Option<f64> {
+        None
+    }
 
     /// Length from `s_m` on over which extinction is provably 0, metres; `None` = nothing is known.
     fn clear_m(&self, _s_m: f64) -> Option<f64> {
@@ -78,8 +85,10 @@ pub struct Column {
     pub length_m: f64,
     /// L_max, the longest column of the map, metres.
     pub depth_m: f64,
-    /// Length of a step, metres.
+    /// Length of a step, metres; of placed steps, of medium.
     pub step_m: f64,
+    /// Where the steps lie; `None` = equal steps over the whole column.
+    pub spans: Option<Spans>,
     /// Position of a sample in its step: 0.5 midpoint, 1 far end, 0 near end.
     pub fraction: f64,
     /// Extinction of each step, m⁻¹.
@@ -106,11 +115,28 @@ impl Front {
 }
 
 impl Column {
-    /// Marches `ray` in `steps` equal steps; `sampling` is `midpoint`, `end` or `quadratic` (see the map's parameter).
-    pub fn march(ray: &dyn LightRay, steps: u32, sampling: &str, depth_m: f64) -> Self {
+    /// Marches `ray` as the parameters `steps`, `sampling` and `placement` of a map say.
+    pub fn of_map(ray: &dyn LightRay, params: &Params, depth_m: f64) -> Result<Self> {
+        let spans = match params.choice("placement")? {
+            "occupied" => Some(Spans::walk(ray)),
+            _ => None,
+        };
+        let (steps, sampling) = (params.int("steps")?, params.choice("sampling")?);
+        Ok(Self::march(ray, steps, sampling, spans, depth_m))
+    }
+
+    /// Marches `ray` in `steps` equal steps, over `spans` where given; `sampling` is `midpoint`, `end` or `quadratic` (see
+    /// the map's parameter).
+    pub fn march(
+        ray: &dyn LightRay,
+        steps: u32,
+        sampling: &str,
+        spans: Option<Spans>,
+        depth_m: f64,
+    ) -> Self {
         let length_m = ray.length_m();
         let n = f64::from(steps);
-        let step_m = length_m / n;
+        let step_m = spans.as_ref().map_or(length_m, Spans::occupied_m) / n;
         let fraction = match sampling {
             "end" => 1.0,
             "quadratic" => 0.0,
@@ -120,19 +146,44 @@ impl Column {
             "quadratic" => k * (k + 1.0) / (n - 1.0).max(1.0),
             _ => k + fraction,
         };
-        let sample = |k: u32| ray.extinction_per_m(travelled(f64::from(k)) * step_m);
+        let position_m = |x: f64| match &spans {
+            None => x * step_m,
+            Some(spans) => spans.position_m(x / n),
+        };
+        let sample = |k: u32| match step_m > 0.0 || spans.is_none() {
+            true => ray.extinction_per_m(position_m(travelled(f64::from(k)))),
+            false => 0.0,
+        };
         Self {
             length_m,
             depth_m,
             step_m,
             fraction,
             extinction_per_m: (0..steps).map(sample).collect(),
+            spans,
         }
     }
 
     /// Depth of the point at `fraction` of step `k`, over L_max.
     pub fn depth_at(&self, k: usize, fraction: f64) -> f64 {
-        (k as f64 + fraction) * self.step_m / self.depth_m
+        let x = k as f64 + fraction;
+        match &self.spans {
+            None => x * self.step_m / self.depth_m,
+            Some(spans) => spans.position_m(x / self.extinction_per_m.len() as f64) / self.depth_m,
+        }
+    }
+
+    /// Optical depth before `depth_m` metres, extinction constant over a step.
+    pub fn optical_depth_before(&self, depth_m: f64) -> f64 {
+        let n = self.extinction_per_m.len();
+        let steps = match &self.spans {
+            None => depth_m / self.step_m.max(1e-300),
+            Some(spans) => spans.share_before(depth_m) * n as f64,
+        };
+        let steps = steps.clamp(0.0, n as f64);
+        let whole = (steps as usize).min(n - 1);
+        let before: f64 = self.thicknesses().take(whole).sum();
+        before + self.extinction_per_m[whole] * self.step_m * (steps - whole as f64)
     }
 
     /// Optical thickness of each step.

@@ -34,6 +34,11 @@ impl LightRay for CountedRay<'_> {
         self.field.extinction_per_m(p)
     }
 
+    fn empty_m(&self, s_m: f64) -> Option<f64> {
+        let empty_m = self.field.clear_m(self.ray.point(s_m))?;
+        Some(empty_m.min(self.ray.to_gap_m(s_m)))
+    }
+
     fn clear_m(&self, s_m: f64) -> Option<f64> {
         if !self.skip {
             return None;

@@ -50,6 +50,11 @@ impl LayerRay {
         self.origin + self.direction * t_m
     }
 
+    /// Metres between `s_m` and the gap, on either side.
+    pub fn to_gap_m(&self, s_m: f64) -> f64 {
+        (self.inside_m[0] - s_m).abs()
+    }
+
     /// Metres from `s_m` to the next gap.
     pub fn before_gap_m(&self, s_m: f64) -> f64 {
         if s_m <= self.inside_m[0] {

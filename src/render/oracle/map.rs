@@ -8,6 +8,7 @@ use super::{Options, Oracle};
 use crate::error::{Error, Result};
 use crate::occlusion::plan::MapLayout;
 use crate::occlusion::rounding::Rounding;
+use crate::occlusion::spans::Spans;
 use crate::occlusion::twin::{Column, Encoding, LookUp, NearMarch};
 use crate::occlusion::{MethodSetup, Plan};
 use crate::scene::Container;
@@ -67,6 +68,8 @@ pub(super) struct LightMap {
     resolution: u32,
     steps: u32,
     sampling: &'static str,
+    /// Samples lie in what may hold medium.
+    placed: bool,
     rule: Rule,
     encoding: Box<dyn Encoding>,
     rounding: Rounding,
@@ -106,6 +109,7 @@ impl LightMap {
             resolution,
             steps: setup.params.int("steps")?,
             sampling: setup.params.choice("sampling")?,
+            placed: setup.params.choice("placement")? == "occupied",
             rule: Rule::new(setup, &plan)?,
             encoding,
             rounding: options.rounding,
@@ -233,7 +237,9 @@ impl LightMap {
             ray: self.column(at.map(|i| (f64::from(i) + 0.5) / self.edge())),
             samples: &samples,
         };
-        let column = Column::march(&ray, self.steps, self.sampling, self.rectangle.depth_m);
+        let spans = self.placed.then(|| Spans::walk(&ray));
+        let depth_m = self.rectangle.depth_m;
+        let column = Column::march(&ray, self.steps, self.sampling, spans, depth_m);
         let values = self.encoding.encode(&column, &self.rounding);
         Texel {
             values: self.encoding.stored(values, &self.rounding).into(),
