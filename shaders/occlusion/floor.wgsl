@@ -6,7 +6,10 @@
 // Source: cumulative (opacity) column as in deep shadow maps, Lokovic & Veach 2000, without their compression.
 // Cost: n values a texel; look-up two fetches.
 #import map::{map, Tap, column_length, fetch}
-#import column::{Column, sample_extinction, steps_before, store}
+#import column::{Column, sample_extinction, store}
+#ifdef PLACEMENT_OCCUPIED
+#import cumulative::optical_depth_before
+#endif
 
 // f16 holds 65504: between two infinite values a look-up would interpolate NaN, and exp(−6e4) is 0 anyway.
 const LARGEST_TAU: f32 = 6e4;
@@ -16,7 +19,8 @@ fn encode(column: Column) {
     var values = vec4f(0.0);
     for (var k = 0u; k < map.steps; k++) {
 #ifdef PLACEMENT_OCCUPIED
-        tau = depth_after_share(column, f32(k + 1u) / f32(map.steps));
+        // Samples lie elsewhere than what is stored.
+        tau = optical_depth_before(column, f32(k + 1u) / f32(map.steps) * column.length_m);
 #else
         tau += sample_extinction(column, k) * column.step_m;
 #endif
@@ -27,23 +31,6 @@ fn encode(column: Column) {
         }
     }
 }
-
-#ifdef PLACEMENT_OCCUPIED
-var<private> marched: u32;          // steps whose depth is in `marched_tau`
-var<private> marched_tau: f32;
-var<private> marched_sigma: f32;    // extinction of the last of them
-
-// Optical depth of a share of the column's length, asked for in growing order: samples lie elsewhere than what is stored.
-fn depth_after_share(column: Column, share: f32) -> f32 {
-    let x = clamp(steps_before(column, share * column.length_m), 0.0, f32(map.steps));
-    while marched < map.steps && f32(marched) < x {
-        marched_sigma = sample_extinction(column, marched);
-        marched_tau += marched_sigma * column.step_m;
-        marched += 1u;
-    }
-    return marched_tau - marched_sigma * max(f32(marched) - x, 0.0) * column.step_m;
-}
-#endif
 
 // Optical depth after k steps.
 fn depth_after(tap: Tap, k: u32) -> f32 {

@@ -10,7 +10,8 @@
 #import layer::{LayerRay, layer_length, point_at}
 #import medium::{extinction}
 #ifdef PLACEMENT_OCCUPIED
-#import spans::{PARTS, mark_occupied, occupied_before, occupied_position}
+#import spans
+#import spans::{mark_occupied, occupied_before, occupied_position}
 #endif
 
 @group(2) @binding(4) var map_store: texture_storage_2d_array<
@@ -51,8 +52,8 @@ fn column_of(texel: vec2u) -> Column {
     let ray = column_at((vec2f(texel) + 0.5) / f32(map.resolution));
     let length_m = layer_length(ray);
 #ifdef PLACEMENT_OCCUPIED
-    let occupied = mark_occupied(ray, length_m);
-    let step_m = length_m * (f32(occupied) / f32(PARTS)) / f32(map.steps);
+    let occupied = mark_occupied(ray, length_m, map.part_m);
+    let step_m = length_m * (f32(occupied) / f32(spans::parts)) / f32(map.steps);
     return Column(texel, ray, length_m, step_m, occupied);
 #else
     return Column(texel, ray, length_m, length_m / f32(map.steps));
@@ -66,7 +67,7 @@ fn step_depth(column: Column, x: f32) -> f32 {
         return column.length_m;
     }
     let parts = x * f32(column.occupied) / f32(map.steps);
-    return occupied_position(parts, column.occupied) * column.length_m / f32(PARTS);
+    return occupied_position(parts, column.occupied) * column.length_m / f32(spans::parts);
 #else
     return x * column.step_m;
 #endif
@@ -75,7 +76,7 @@ fn step_depth(column: Column, x: f32) -> f32 {
 // The inverse: steps before a depth in metres.
 fn steps_before(column: Column, depth_m: f32) -> f32 {
 #ifdef PLACEMENT_OCCUPIED
-    let parts = occupied_before(depth_m / max(column.length_m, 1e-20) * f32(PARTS));
+    let parts = occupied_before(depth_m / max(column.length_m, 1e-20) * f32(spans::parts));
     return parts * f32(map.steps) / f32(max(column.occupied, 1u));
 #else
     return depth_m / max(column.step_m, 1e-20);

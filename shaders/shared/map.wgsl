@@ -22,6 +22,7 @@ struct Map {
     steps: u32,         // samples a column
     near_steps: u32,    // marched before the map is asked
     near_m: f32,        // their reach
+    part_m: f32,        // longest part of a column that is occupied or empty as a whole (spans.wgsl)
 }
 
 @group(2) @binding(0) var<uniform> map: Map;

@@ -1,6 +1,6 @@
-// The part of a ray through the layer that may hold medium, found in the occupancy grid, as a row of PARTS bits.
+// The part of a ray through the layer that may hold medium, found in the occupancy grid, as a row of P bits.
 //
-//   part i = [i, i + 1]·L/PARTS; empty where a provably empty sphere around the middle of a part before it covers it whole
+//   P = ⌈L/part_m⌉, at most MOST_PARTS;  part i = [i, i + 1]·L/P; empty where a provably empty sphere around the middle of a part before it covers it whole
 //   position of x in [0, c] occupied parts: x travels through the occupied parts alone, c of them
 //
 // Sequential: positions asked for in growing order cost a few bit operations each.
@@ -8,9 +8,10 @@
 #import layer::{LayerRay, layer_length, point_at}
 #import density::empty_distance
 
-const PARTS: u32 = 512u;
+const MOST_PARTS: u32 = 512u;
 const WORDS: u32 = 16u;
 
+var<private> parts: u32;                    // P
 var<private> occupied: array<u32, WORDS>;   // bit i % 32 of word i / 32: part i
 var<private> word: u32;                     // where the last position was found
 var<private> passed: u32;                   // occupied parts before it
@@ -23,14 +24,15 @@ fn empty_reach(ray: LayerRay, s: f32) -> f32 {
 }
 
 // Marks the occupied parts of a ray of length_m; their number.
-fn mark_occupied(ray: LayerRay, length_m: f32) -> u32 {
-    let part_m = length_m / f32(PARTS);
+fn mark_occupied(ray: LayerRay, length_m: f32, longest_part_m: f32) -> u32 {
+    parts = u32(clamp(ceil(length_m / max(longest_part_m, 1e-20)), 1.0, f32(MOST_PARTS)));
+    let part_m = length_m / f32(parts);
     for (var w = 0u; w < WORDS; w++) {
         occupied[w] = 0u;
     }
     var count = 0u;
     var i = 0u;
-    while i < PARTS && length_m > 0.0 {
+    while i < parts && length_m > 0.0 {
         let reach = empty_reach(ray, (f32(i) + 0.5) * part_m) / part_m - 0.5;
         if reach < 0.0 {
             occupied[i / 32u] |= 1u << (i % 32u);
@@ -70,7 +72,7 @@ fn occupied_position(x: f32, count: u32) -> f32 {
 
 // The inverse: occupied parts before a position in parts of the whole ray.
 fn occupied_before(position: f32) -> f32 {
-    let i = min(u32(max(position, 0.0)), PARTS - 1u);
+    let i = min(u32(max(position, 0.0)), parts - 1u);
     var count = 0u;
     for (var w = 0u; w < i / 32u; w++) {
         count += countOneBits(occupied[w]);

@@ -135,6 +135,8 @@ pub struct Built {
     pub noise_ms: Option<f64>,
     /// Share of the occupancy grid's cells that are provably empty; `None` without a grid.
     pub empty_fraction: Option<f64>,
+    /// Edge of that grid's cells, metres; `None` without a grid.
+    pub cell_m: Option<f64>,
     /// Share of columns that each deck covers, 0…1, measured after calibration.
     pub measured_coverage: Vec<f64>,
 }

@@ -2,7 +2,7 @@
 //!
 //! On each axis, the texel density is ∝ p^e, p the density of the view's sample positions; e = ⅓ minimises ∫ p t² dx, the
 //! squared texel size t where it is read, for a fixed number of texels ∫ dx/t. Separable warps: Rosen 2012, Rectilinear
-//! Texture Warping; texels from the distribution of samples: Lauritzen et al. 2010.
+//! Texture Warping; texels from the distribution of samples: Lauritzen et al. 2011.
 
 /// Equal parts of an axis; between their ends the warp is linear.
 pub const WARP_PARTS: usize = 64;

@@ -16,21 +16,18 @@ const TRIALS: Trials = Trials {
         trial("storage=f32", "sampling=end storage=f32"),
         trial("lookup=hardware", "lookup=nearest"),
         trial("sampling=end", ""),
-        trial("fit=axes", ""),
         trial("fit=warped", "fit=warped warp_exponent=0.5"),
-        trial("placement=occupied", ""),
         trial("near_steps=3 near_m=0.2", "near_steps=3 near_m=0.1"),
     ],
     clouds: &[
         trial("", "sampling=end"),
-        trial("fit=warped placement=occupied", "fit=warped"),
+        trial("fit=warped placement=occupied", "fit=axes"),
         trial("fit=axes near_steps=4", "fit=axes near_steps=3"),
     ],
     texels: &[
         trial("", "sampling=end"),
         trial("fit=axes", ""),
-        trial("fit=warped", "fit=axes"),
-        trial("placement=occupied", ""),
+        trial("fit=warped placement=occupied", "fit=axes"),
     ],
     exact: &[""],
 };

@@ -7,7 +7,7 @@ use super::MethodSetup;
 #[cfg(doc)]
 use super::rounding::FloatFormat;
 use super::rounding::Rounding;
-use super::spans::Spans;
+use super::spans::{Spans, part_m};
 use crate::error::Result;
 use crate::param::Params;
 
@@ -118,7 +118,7 @@ impl Column {
     /// Marches `ray` as the parameters `steps`, `sampling` and `placement` of a map say.
     pub fn of_map(ray: &dyn LightRay, params: &Params, depth_m: f64) -> Result<Self> {
         let spans = match params.choice("placement")? {
-            "occupied" => Some(Spans::walk(ray)),
+            "occupied" => Some(Spans::walk(ray, part_m(None, depth_m))),
             _ => None,
         };
         let (steps, sampling) = (params.int("steps")?, params.choice("sampling")?);

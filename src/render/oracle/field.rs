@@ -9,6 +9,8 @@ use glam::DVec3;
 
 /// Rounding error of a point, as a share of an occupancy cell: an upper bound.
 const CELL_SLACK: f64 = 1e-9;
+/// The device's, see `grid_distance` in shaders/shared/occupancy.wgsl.
+const DEVICE_SLACK: f64 = 1e-3;
 
 /// Density and extinction of a scene.
 pub(super) struct OracleField {
@@ -37,6 +39,17 @@ impl OracleField {
             twin,
             filter,
         })
+    }
+
+    /// The same with the margin that the device keeps for the rounding of f32: where steps lie depends on it.
+    pub fn empty_m(&self, p: DVec3) -> Option<f64> {
+        let margin_m = DEVICE_SLACK * self.cell_m()?;
+        Some((self.clear_m(p)? - margin_m).max(0.0))
+    }
+
+    /// Edge of the cells of the grid of empty space, metres; `None` without a grid.
+    pub fn cell_m(&self) -> Option<f64> {
+        Some(self.occupancy.as_ref()?.cell_m)
     }
 
     /// How its textures are filtered.

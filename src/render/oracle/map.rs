@@ -8,7 +8,7 @@ use super::{Options, Oracle};
 use crate::error::{Error, Result};
 use crate::occlusion::plan::MapLayout;
 use crate::occlusion::rounding::Rounding;
-use crate::occlusion::spans::Spans;
+use crate::occlusion::spans::{Spans, part_m};
 use crate::occlusion::twin::{Column, Encoding, LookUp, NearMarch};
 use crate::occlusion::{MethodSetup, Plan};
 use crate::scene::Container;
@@ -237,7 +237,9 @@ impl LightMap {
             ray: self.column(at.map(|i| (f64::from(i) + 0.5) / self.edge())),
             samples: &samples,
         };
-        let spans = self.placed.then(|| Spans::walk(&ray));
+        let spans = self
+            .placed
+            .then(|| Spans::walk(&ray, part_m(self.field.cell_m(), self.rectangle.depth_m)));
         let depth_m = self.rectangle.depth_m;
         let column = Column::march(&ray, self.steps, self.sampling, spans, depth_m);
         let values = self.encoding.encode(&column, &self.rounding);

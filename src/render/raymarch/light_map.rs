@@ -5,17 +5,23 @@ use crate::error::Result;
 use crate::gpu::{Gpu, Inputs, Resource, UniformValue};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::plan::WARP_BYTES;
+use crate::occlusion::spans::part_m;
 use crate::scene::{MapRectangle, MapWarp};
 
-/// Offers the geometry of a map to its passes and to the view march.
+/// Offers the geometry of a map to its passes and to the view march. `cell_m` is the edge of the cells of the grid of empty
+/// space.
 pub(super) fn offer_geometry(
     gpu: &Gpu,
     rectangle: &MapRectangle,
     storage: &MapStorage,
     setup: &MethodSetup,
+    cell_m: Option<f64>,
     inputs: &mut Inputs,
 ) -> Result<()> {
-    inputs.uniform("map", map_uniform(rectangle, storage.resolution, setup)?);
+    let mut members = map_uniform(rectangle, storage.resolution, setup)?;
+    let part_m = part_m(cell_m, rectangle.depth_m);
+    members.push(("part_m", UniformValue::F32(part_m as f32)));
+    inputs.uniform("map", members);
     if let Some(warp) = &rectangle.warp {
         let buffer = gpu.buffer("warp", &warp_table(warp), wgpu::BufferUsages::STORAGE);
         inputs.resource("map_warp", Resource::Buffer(buffer));

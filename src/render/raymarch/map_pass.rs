@@ -58,7 +58,8 @@ impl MapPasses {
         let storage = MapStorage::new(gpu, setup, plan, format, inputs)?;
         let fit = setup.map_fit()?;
         let rectangle = MapRectangle::fit(&view.scene, view.image, storage.resolution, fit);
-        offer_geometry(gpu, &rectangle, &storage, setup, inputs)?;
+        let cell_m = view.density.built.cell_m;
+        offer_geometry(gpu, &rectangle, &storage, setup, cell_m, inputs)?;
         let around = MapContext {
             renderer,
             view,

@@ -34,6 +34,7 @@ pub(super) fn build(gpu: &Gpu, field: &Procedural, around: &Surroundings) -> Res
         built: Built {
             noise_ms: Some(noise_ms),
             empty_fraction: Some(occupancy.empty_fraction()),
+            cell_m: Some(occupancy.cell_m),
             measured_coverage,
         },
         ..DeviceField::new(field, inputs)

@@ -32,6 +32,7 @@ pub(super) fn build(gpu: &Gpu, field: &Volume, corners: [[f64; 3]; 2]) -> Result
     Ok(DeviceField {
         built: Built {
             empty_fraction: Some(occupancy.empty_fraction()),
+            cell_m: Some(occupancy.cell_m),
             ..Built::default()
         },
         content_hash: grid.hash.to_string(),
