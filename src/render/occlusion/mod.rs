@@ -22,6 +22,7 @@ pub mod spans;
 pub mod twin;
 
 mod alq;
+mod avsm;
 mod bsm;
 mod esm;
 mod floor;
@@ -53,6 +54,7 @@ pub const REGISTRY: &[&dyn LightOcclusion] = &[
     &fom::Fom,
     &alq::Alq,
     &odv::Odv,
+    &avsm::Avsm,
     &floor::Floor,
     &none::None,
     &truth::Truth,
