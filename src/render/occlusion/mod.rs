@@ -24,6 +24,7 @@ pub mod twin;
 mod alq;
 mod avsm;
 mod bsm;
+mod dom;
 mod esm;
 mod floor;
 mod fom;
@@ -55,6 +56,7 @@ pub const REGISTRY: &[&dyn LightOcclusion] = &[
     &alq::Alq,
     &odv::Odv,
     &avsm::Avsm,
+    &dom::Dom,
     &floor::Floor,
     &none::None,
     &truth::Truth,
