@@ -31,6 +31,7 @@ mod fom;
 mod none;
 mod odv;
 mod srm;
+mod tfm;
 #[cfg(test)]
 mod tests;
 mod truth;
@@ -57,6 +58,7 @@ pub const REGISTRY: &[&dyn LightOcclusion] = &[
     &odv::Odv,
     &avsm::Avsm,
     &dom::Dom,
+    &tfm::Tfm,
     &floor::Floor,
     &none::None,
     &truth::Truth,
