@@ -28,6 +28,7 @@ mod dom;
 mod esm;
 mod floor;
 mod fom;
+mod msm;
 mod none;
 mod odv;
 mod srm;
@@ -59,6 +60,7 @@ pub const REGISTRY: &[&dyn LightOcclusion] = &[
     &avsm::Avsm,
     &dom::Dom,
     &tfm::Tfm,
+    &msm::Msm,
     &floor::Floor,
     &none::None,
     &truth::Truth,
