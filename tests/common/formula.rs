@@ -41,6 +41,7 @@ pub fn mapped(setup: &MethodSetup, ray: &dyn LightRay, depth_m: f64) -> f64 {
     let look_up = LookUp {
         depth: depth_m / ray.length_m(),
         length: 1.0,
+        depth_m: ray.length_m(),
     };
     map.transmittance(&values, look_up, &Rounding::EXACT)
 }

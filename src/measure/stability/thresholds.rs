@@ -117,7 +117,11 @@ impl Map {
 
     /// T at `depth`, 0…1, of a column of 100 steps.
     fn transmittance(&self, ray: &Slab, depth: f64, rounding: &Rounding) -> f64 {
-        let look_up = LookUp { depth, length: 1.0 };
+        let look_up = LookUp {
+            depth,
+            length: 1.0,
+            depth_m: 1.0,
+        };
         self.encoding
             .transmittance(&self.stored(ray, rounding), look_up, rounding)
     }

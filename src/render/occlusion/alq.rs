@@ -117,7 +117,7 @@ impl LightOcclusion for Alq {
     }
 
     fn homogeneous_error(&self) -> f64 {
-        0.02
+        0.11
     }
 }
 

@@ -42,7 +42,10 @@ const TRIALS: Trials = Trials {
         trial("mean=all front=first", "mean=all"),
         trial("mean=fitted", "mean=occupied"),
         trial("form=published", "form=published mean=all"),
-        trial("mean=fitted fit=warped placement=occupied", "mean=fitted fit=axes"),
+        trial(
+            "mean=fitted fit=warped placement=occupied",
+            "mean=fitted fit=axes",
+        ),
     ],
     // With the other front, the threshold leaves out τ = 0.01.
     exact: &[

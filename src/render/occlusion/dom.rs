@@ -7,7 +7,6 @@ use super::{FRONT, GEOMETRY, LightOcclusion, Plan, TEXELS};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 use crate::shader_defs::Defs;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Deep opacity map.
 pub struct Dom;
@@ -93,7 +92,6 @@ impl LightOcclusion for Dom {
             number: params.int("layers")?,
             all_m: params.number("layer_m")?,
             front: Front::new(params)?,
-            depth_m: AtomicU64::new(1f64.to_bits()),
         })))
     }
 
@@ -128,8 +126,6 @@ struct Layers {
     /// What the layers cover at most, metres.
     all_m: f64,
     front: Front,
-    /// Bits of L_max, metres, the same for all columns of a map: a look-up knows shares of it alone.
-    depth_m: AtomicU64,
 }
 
 /// i(i + 1)/2: ends of the layers in units of the first.
@@ -139,21 +135,18 @@ fn end(i: u32) -> f64 {
 
 impl Layers {
     /// Thickness of the first layer over L_max, behind a front at `z` in a column of that `length`.
-    fn first(&self, z: f64, length: f64) -> f64 {
-        let depth_m = f64::from_bits(self.depth_m.load(Ordering::Relaxed));
+    fn first(&self, z: f64, length: f64, depth_m: f64) -> f64 {
         smaller(self.all_m / depth_m, at_least_zero(length - z)) / end(self.number)
     }
 }
 
 impl Encoding for Layers {
     fn encode(&self, column: &Column, rounding: &Rounding) -> Vec<f64> {
-        let bits = column.depth_m.to_bits();
-        self.depth_m.store(bits, Ordering::Relaxed);
         let Some(z) = column.front(self.front) else {
             let empty = (0..=self.number).map(|i| if i == 0 { 1.0 } else { 0.0 });
             return empty.collect();
         };
-        let first = self.first(z, column.length_m / column.depth_m);
+        let first = self.first(z, column.length_m / column.depth_m, column.depth_m);
         let after = (1..=self.number).map(|i| {
             let end_m = (z + first * end(i)) * column.depth_m;
             let tau = rounding.computed(column.optical_depth_before(end_m));
@@ -164,7 +157,7 @@ impl Encoding for Layers {
 
     fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64 {
         let (z, after) = (values[0], &values[1..]);
-        let first = self.first(z, look_up.length);
+        let first = self.first(z, look_up.length, look_up.depth_m);
         let behind = look_up.depth - z;
         // The layer that the depth is in: the first that ends behind it.
         let inside = (1..=self.number).find(|i| behind < first * end(*i));

@@ -32,9 +32,9 @@ mod msm;
 mod none;
 mod odv;
 mod srm;
-mod tfm;
 #[cfg(test)]
 mod tests;
+mod tfm;
 mod truth;
 
 pub use fom::thickness_of_opacity;

@@ -50,7 +50,6 @@ const TRIALS: Trials = Trials {
         trial("", "sampling=end"),
         trial("slices=8", "slices=8 sampling=end"),
         trial("fit=warped placement=occupied", "fit=axes"),
-        trial("storage=unorm8", "storage=unorm8 sampling=end"),
     ],
     exact: &["slices=64"],
 };
@@ -66,7 +65,7 @@ impl LightOcclusion for Odv {
             citation: "light-space optical-depth volumes of current engines; Lokovic & Veach 2000, Deep Shadow Maps (without compression)",
             role: Role::Practical,
             colour: 0x2e8fd0,
-            marker: Marker::Square,
+            marker: Marker::Circle,
             shader: "occlusion/odv.wgsl",
             source: include_str!("../../../shaders/occlusion/odv.wgsl"),
             params: &[GEOMETRY, PARAMS],

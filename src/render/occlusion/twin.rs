@@ -76,6 +76,8 @@ pub struct LookUp {
     pub depth: f64,
     /// Length of the texel's own column over L_max, 0…1.
     pub length: f64,
+    /// L_max, metres.
+    pub depth_m: f64,
 }
 
 /// A map column, marched from the sun side.

@@ -134,8 +134,15 @@ impl LightMap {
         }
         let depth = depth_m / self.rectangle.depth_m;
         let ask = |values: &[f64], length: f64| {
-            self.encoding
-                .transmittance(values, LookUp { depth, length }, &self.rounding)
+            self.encoding.transmittance(
+                values,
+                LookUp {
+                    depth,
+                    length,
+                    depth_m: self.rectangle.depth_m,
+                },
+                &self.rounding,
+            )
         };
         if self.rule == Rule::Nearest {
             let texel = self.texel(uv.map(|v| self.clamped((v * self.edge()).floor())));

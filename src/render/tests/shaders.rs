@@ -66,7 +66,9 @@ fn fields() -> Vec<Composition> {
 fn method_defs(setup: &MethodSetup, wide: bool) -> Defs {
     let plan = setup.method.plan(&setup.params).unwrap();
     let mut defs = setup.defs(&plan);
-    defs.extend(map_defs(setup, &plan, !wide).unwrap());
+    // Some options need a format that only some devices store.
+    let made = map_defs(setup, &plan, !wide).or_else(|_| map_defs(setup, &plan, true));
+    defs.extend(made.unwrap());
     defs
 }
 

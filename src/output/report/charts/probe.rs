@@ -63,7 +63,7 @@ fn curve(probe: &Probe, i: usize) -> PointSeries {
     }
 }
 
-/// Strip over depths where T rises or τ̂ exceeds the column's τ, and the point from which min(D_max, ·) sets in.
+/// Strip over depths where T rises or τ̂ exceeds the column's τ, and the point from which the largest optical depth is reached.
 fn marks(probe: &Probe, curve: &MethodCurve) -> Vec<PointSeries> {
     let style = Style::of(curve.method);
     let pairs = probe.depths_m.windows(2).enumerate();
@@ -81,7 +81,7 @@ fn marks(probe: &Probe, curve: &MethodCurve) -> Vec<PointSeries> {
             points: outside.collect(),
         },
         PointSeries {
-            label: format!("{}: min(D_max, ·) sets in", curve.method),
+            label: format!("{}: largest optical depth reached", curve.method),
             style,
             look: Look::Hollow,
             points: clamped.into_iter().collect(),
