@@ -50,7 +50,7 @@ const TRIALS: Trials = Trials {
     ],
     clouds: &[
         trial("", "quantiles=two"),
-        trial("fit=warped placement=occupied", "fit=warped"),
+        trial("fit=warped placement=occupied", "fit=axes"),
     ],
     texels: &[
         trial("", "sampling=end"),

@@ -48,7 +48,7 @@ const TRIALS: Trials = Trials {
     ],
     clouds: &[
         trial("nodes=4", "nodes=4 between=exponential"),
-        trial("steps=12 placement=occupied", "steps=12"),
+        trial("placement=occupied", "placement=occupied sampling=end"),
     ],
     // Few steps: which of two nodes goes is open to rounding where their areas are nearly equal.
     texels: &[

@@ -50,7 +50,7 @@ const TRIALS: Trials = Trials {
     ],
     clouds: &[
         trial("", "layers=4"),
-        trial("steps=12 placement=occupied", "steps=12"),
+        trial("placement=occupied", "placement=occupied layers=5"),
     ],
     texels: &[
         trial("", "sampling=end"),

@@ -42,10 +42,13 @@ const TRIALS: Trials = Trials {
         trial("", "slices=16"),
         trial("slices=64", "slices=32"),
         trial("storage=f32", "storage=f32 slices=16"),
-        trial("storage=unorm8", "storage=f32"),
-        trial("fit=warped placement=occupied", "fit=axes"),
+        trial("fit=warped placement=occupied", "fit=square slices=16"),
     ],
-    clouds: &[trial("", "slices=16")],
+    // Filters of 8-bit textures calculate in 8 bits on some devices, llvmpipe among them: 1e-3 over the volume.
+    clouds: &[
+        trial("", "slices=4"),
+        trial("storage=unorm8", "storage=unorm8 slices=4"),
+    ],
     texels: &[
         trial("", "sampling=end"),
         trial("slices=8", "slices=8 sampling=end"),
@@ -71,7 +74,8 @@ impl LightOcclusion for Odv {
             params: &[GEOMETRY, PARAMS],
             monotone: true,
             bounded: false,
-            tolerance: 5e-3,
+            // Interpolated by hardware, which may cut weights to 8 bits.
+            tolerance: 1e-3,
             trials: TRIALS,
         }
     }
