@@ -45,7 +45,7 @@ impl MapRectangle {
     pub fn fit(scene: &Scene, image: ImageSize, resolution: u32, fit: MapFit) -> Self {
         let (u_axis, v_axis) = axes(scene);
         let rays = ViewRays::new(scene, image);
-        let Some((low, high)) = seen_bounds(scene, &rays, u_axis, v_axis) else {
+        let Some((mut low, mut high)) = seen_bounds(scene, &rays, u_axis, v_axis) else {
             let warp = match fit {
                 MapFit::Warped(_) => Some(MapWarp::new(&[], 0.0)),
                 _ => None,
@@ -60,6 +60,17 @@ impl MapRectangle {
                 warp,
             };
         };
+        let samples: Vec<DVec3> = match fit {
+            MapFit::Warped(_) => rays.samples(scene).collect(),
+            MapFit::Square | MapFit::Axes => Vec::new(),
+        };
+        // Equal texels round the extents up, a warp does not.
+        for p in &samples {
+            for (i, value) in [p.dot(u_axis), p.dot(v_axis)].into_iter().enumerate() {
+                low[i] = low[i].min(value);
+                high[i] = high[i].max(value);
+            }
+        }
         let needed = [0, 1].map(|i| (high[i] - low[i]).max(1e-9) * MARGIN);
         let (origin_m, extent_m) = match fit {
             MapFit::Square => {
@@ -87,10 +98,7 @@ impl MapRectangle {
             warp: None,
         };
         if let MapFit::Warped(exponent) = fit {
-            let positions: Vec<_> = rays
-                .samples(scene)
-                .filter_map(|p| rectangle.uv(p))
-                .collect();
+            let positions: Vec<_> = samples.iter().filter_map(|p| rectangle.uv(*p)).collect();
             rectangle.warp = Some(MapWarp::new(&positions, exponent));
         }
         rectangle
@@ -264,5 +272,100 @@ fn clip_to_box(
         };
         low[i] = low[i].max(corner(false));
         high[i] = high[i].min(corner(true));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const IMAGE: ImageSize = ImageSize {
+        width: 160,
+        height: 90,
+    };
+
+    fn cumulus(elevation_deg: f64) -> Scene {
+        let text = include_str!("../../../configs/scenes/cumulus.json");
+        let mut scene: Scene = serde_json::from_str(text).unwrap();
+        scene.sun.elevation_deg = elevation_deg;
+        scene
+    }
+
+    #[test]
+    fn at_a_low_sun_one_extent_an_axis_is_a_fraction_of_the_square() {
+        let scene = cumulus(5.0);
+        let area = |fit| {
+            let [u_m, v_m] = MapRectangle::fit(&scene, IMAGE, 256, fit).extent_m;
+            u_m * v_m
+        };
+        let square = area(MapFit::Square);
+        assert!(area(MapFit::Axes) < 0.25 * square);
+        assert!(area(MapFit::Warped(0.5)) < 0.25 * square);
+    }
+
+    #[test]
+    fn every_fit_covers_every_sample_of_the_view_and_finds_its_column_again() {
+        for elevation_deg in [90.0, 60.0, 5.0] {
+            let scene = cumulus(elevation_deg);
+            let sun = scene.sun.direction();
+            let rays = ViewRays::new(&scene, IMAGE);
+            for fit in [MapFit::Square, MapFit::Axes, MapFit::Warped(1.0 / 3.0)] {
+                let map = MapRectangle::fit(&scene, IMAGE, 256, fit);
+                for p in rays.samples(&scene).step_by(97) {
+                    let uv = map.uv(p).unwrap_or_else(|| panic!("{fit:?} misses {p}"));
+                    let away = p - map.column_origin(uv);
+                    let beside = away - sun * away.dot(sun);
+                    assert!(
+                        beside.length() < 1e-6 * map.extent_m[0],
+                        "{fit:?}: {beside}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_warp_makes_texels_smaller_where_the_view_takes_its_samples() {
+        let scene = cumulus(30.0);
+        let rays = ViewRays::new(&scene, IMAGE);
+        // Mean size of a texel along u, weighted as the view's samples.
+        let texel_m = |fit| {
+            let map = MapRectangle::fit(&scene, IMAGE, 256, fit);
+            let sizes = rays.samples(&scene).step_by(53).filter_map(|p| {
+                let [u, v] = map.uv(p)?;
+                let step = 1e-4;
+                let along = map.column_origin([u + step, v]) - map.column_origin([u, v]);
+                Some(along.length() / step / 256.0)
+            });
+            let (sum, n) = sizes.fold((0.0, 0.0), |(sum, n), size| (sum + size, n + 1.0));
+            sum / n
+        };
+        let (even, warped) = (texel_m(MapFit::Axes), texel_m(MapFit::Warped(1.0 / 3.0)));
+        assert!(warped < 0.8 * even, "{warped} m, even {even} m");
+    }
+
+    #[test]
+    fn the_axes_turn_continuously_with_the_sun() {
+        let mut before: Option<DVec3> = None;
+        for tenth in 0..=900 {
+            let (u, v) = axes(&cumulus(f64::from(tenth) / 10.0));
+            assert!(u.dot(v).abs() < 1e-12);
+            if let Some(before) = before.replace(u) {
+                assert!(before.dot(u) > 0.999, "{tenth}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_view_of_nothing_has_a_map_without_depth() {
+        let mut scene = cumulus(30.0);
+        scene.camera.target_m = scene.camera.position_m;
+        scene.camera.target_m[1] -= 1.0;
+        scene.camera.target_m[0] += 0.01;
+        for fit in [MapFit::Square, MapFit::Axes, MapFit::Warped(0.5)] {
+            let map = MapRectangle::fit(&scene, IMAGE, 256, fit);
+            assert_eq!(map.depth_m, 0.0);
+            assert_eq!(map.uv(DVec3::new(0.0, 2000.0, 0.0)), None);
+        }
     }
 }

@@ -123,7 +123,7 @@ pub(super) fn measure(
 }
 
 /// Whether the rises of T are those that a method documents: FOM while τ̂ stays below its overshoot over the column's
-/// own τ, and a method without a map because it samples anew from every point.
+/// own τ, a series of T within its own overshoot, and a method without a map because it samples anew from every point.
 fn rises_as_documented(
     oracle: &Oracle,
     probes: &[ColumnProbe],
@@ -136,6 +136,16 @@ fn rises_as_documented(
     }
     if info.monotone {
         return Ok(false);
+    }
+    if let Some(largest) = setup.method.largest_rise() {
+        let rise = |curve: &Vec<f64>| {
+            let mut lowest = f64::INFINITY;
+            curve.iter().fold(0.0, |rise: f64, t| {
+                lowest = lowest.min(*t);
+                rise.max(t - lowest)
+            })
+        };
+        return Ok(curves.iter().all(|curve| rise(curve) <= largest));
     }
     // The same texels, uncompressed and exact: the column's τ as this map samples and interpolates it.
     let floor = oracle.prepare(&setup.uncompressed()?, Options::default())?;

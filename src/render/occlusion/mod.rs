@@ -95,6 +95,12 @@ pub trait LightOcclusion: Sync {
     fn homogeneous_error(&self) -> f64 {
         0.0
     }
+
+    /// Largest rise of T along a column that the method documents, where what it stores is a series of T itself; `None`
+    /// where rises are bounded by the column's optical depth.
+    fn largest_rise(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// A method with a complete set of parameters, including those that do not apply: uniforms hold them all.

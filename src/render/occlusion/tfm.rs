@@ -125,6 +125,11 @@ impl LightOcclusion for Tfm {
     }
 
     /// The series of e^(−τx) breaks off after eight terms; measured 0.034.
+    /// A cosine series overshoots a jump by 9 % of it, however many terms it has (Gibbs); the jumps of a column add up.
+    fn largest_rise(&self) -> Option<f64> {
+        Some(0.2)
+    }
+
     fn homogeneous_error(&self) -> f64 {
         0.04
     }

@@ -4,11 +4,15 @@ use crate::occlusion::{MethodSetup, REGISTRY};
 use crate::param::{ParamKind, ParamSpec, ParamValue};
 use eframe::egui;
 
+/// Height at which the menu of methods shows all of them without scrolling, points.
+const MENU_HEIGHT: f32 = 480.0;
+
 /// A drop-down of the registry and a control for each parameter of the chosen method that applies.
 pub fn draw(ui: &mut egui::Ui, title: &str, setup: &mut MethodSetup) {
     let label = ui.strong(title);
     let info = setup.method.info();
     egui::ComboBox::from_id_salt(title)
+        .height(MENU_HEIGHT)
         .selected_text(format!("{} – {}", info.id, info.title))
         .width(ui.available_width() - 8.0)
         .show_ui(ui, |ui| {
