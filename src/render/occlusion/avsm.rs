@@ -215,8 +215,8 @@ impl Encoding for Nodes {
         };
         let segments = (1..self.most).map(|i| (node(i - 1), node(i)));
         // The last segment that begins before the depth.
-        let reached = segments.filter(|(a, _)| look_up.depth > a.depth || a.depth.is_nan());
-        let t = match reached.last() {
+        let mut reached = segments.filter(|(a, _)| look_up.depth > a.depth || a.depth.is_nan());
+        let t = match reached.next_back() {
             Some((a, b)) => self.between(a, b, look_up.depth),
             None => node(0).transmittance,
         };

@@ -36,7 +36,7 @@ impl LightRay for CountedRay<'_> {
 
     fn empty_m(&self, s_m: f64) -> Option<f64> {
         let empty_m = self.field.empty_m(self.ray.point(s_m))?;
-        Some(empty_m.min(self.ray.to_gap_m(s_m)))
+        Some(empty_m.min(self.ray.distance_to_gap_m(s_m)))
     }
 
     fn clear_m(&self, s_m: f64) -> Option<f64> {

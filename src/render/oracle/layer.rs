@@ -51,7 +51,7 @@ impl LayerRay {
     }
 
     /// Metres between `s_m` and the gap, on either side.
-    pub fn to_gap_m(&self, s_m: f64) -> f64 {
+    pub fn distance_to_gap_m(&self, s_m: f64) -> f64 {
         (self.inside_m[0] - s_m).abs()
     }
 
