@@ -310,7 +310,8 @@ fn light_rays_are_as_long_as_chords() {
     assert!(gaps > 0, "no ray crossed the inside");
 }
 
-/// A homogeneous column is the case that every map is exact for: V = e^(−σd) behind the front. ESM with c = σL.
+/// A homogeneous column is the case that maps are exact for: V = e^(−σd) behind the front. ESM with c = σL. At single depths,
+/// models without that function may be off by twice their relative RMSE over a picture.
 #[test]
 fn maps_are_exact_for_homogeneous_columns() {
     let (sigma, length) = (0.003, 1200.0);
@@ -332,7 +333,7 @@ fn maps_are_exact_for_homogeneous_columns() {
                 close(&what, v, expected, 1e-9);
             } else {
                 assert!(
-                    (v - expected).abs() < inexact,
+                    (v - expected).abs() < 2.0 * inexact,
                     "{what}: {v}, not {expected}"
                 );
             }
