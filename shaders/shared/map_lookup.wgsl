@@ -42,7 +42,7 @@ fn light_transmittance(p: vec3f, rnd: f32) -> f32 {
 #endif
 }
 
-// What the map says of a depth.
+// Transmittance of the map at a depth in metres.
 fn far_transmittance(uv: vec2f, depth_m: f32) -> f32 {
     if map.depth_m <= 0.0 {
         return 1.0;

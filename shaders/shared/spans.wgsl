@@ -1,6 +1,7 @@
 // The part of a ray through the layer that may hold medium, found in the occupancy grid, as a row of P bits.
 //
-//   P = ⌈L/part_m⌉, at most MOST_PARTS;  part i = [i, i + 1]·L/P; empty where a provably empty sphere around the middle of a part before it covers it whole
+//   P = ⌈L/part_m⌉, at most MOST_PARTS;  part i = [i, i + 1]·L/P
+//   empty: covered whole by a provably empty sphere around its own middle or that of a part before it
 //   position of x in [0, c] occupied parts: x travels through the occupied parts alone, c of them
 //
 // Sequential: positions asked for in growing order cost a few bit operations each.

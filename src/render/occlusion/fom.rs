@@ -195,13 +195,7 @@ impl Fourier {
         if !self.bounded {
             return (0.0, 1.0);
         }
-        let occupied = |s: &f64| *s > 0.0;
-        let first = column.extinction_per_m.iter().position(occupied);
-        let last = column.extinction_per_m.iter().rposition(occupied);
-        match first.zip(last) {
-            Some((first, last)) => (column.depth_at(first, 0.0), column.depth_at(last, 1.0)),
-            None => (0.0, 0.0),
-        }
+        column.occupied_interval().into()
     }
 
     fn window(&self, k: u32) -> f64 {

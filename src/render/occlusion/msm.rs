@@ -135,15 +135,10 @@ struct Moments {
 impl Moments {
     /// Near and far edge of the depths that a column's moments are taken over, over L_max.
     fn interval(&self, column: &Column) -> [f64; 2] {
-        if !self.own_bounds {
-            return [0.0, 1.0];
-        }
-        let occupied = |s: &f64| *s > 0.0;
-        let first = column.extinction_per_m.iter().position(occupied);
-        let last = column.extinction_per_m.iter().rposition(occupied);
-        match first.zip(last) {
-            Some((first, last)) => [column.depth_at(first, 0.0), column.depth_at(last, 1.0)],
-            None => [0.0, 0.0],
+        if self.own_bounds {
+            column.occupied_interval()
+        } else {
+            [0.0, 1.0]
         }
     }
 }

@@ -188,6 +188,17 @@ impl Column {
         before + self.extinction_per_m[whole] * self.step_m * (steps - whole as f64)
     }
 
+    /// Near edge of the first step with extinction and far edge of the last, over L_max; 0 and 0 where there is none.
+    pub fn occupied_interval(&self) -> [f64; 2] {
+        let occupied = |s: &f64| *s > 0.0;
+        let first = self.extinction_per_m.iter().position(occupied);
+        let last = self.extinction_per_m.iter().rposition(occupied);
+        match first.zip(last) {
+            Some((first, last)) => [self.depth_at(first, 0.0), self.depth_at(last, 1.0)],
+            None => [0.0, 0.0],
+        }
+    }
+
     /// Optical thickness of each step.
     pub fn thicknesses(&self) -> impl Iterator<Item = f64> + '_ {
         self.extinction_per_m.iter().map(|s| s * self.step_m)
