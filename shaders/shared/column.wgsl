@@ -6,7 +6,10 @@
 //   PLACEMENT_OCCUPIED: n equal steps over the parts of the column that may hold medium; between them none (spans.wgsl)
 //
 // Cost: one density sample a step.
-#import map::{map, column_at}
+#import map::{map, column_at, texel_uv}
+#ifdef CASCADES
+#import map::cascade
+#endif
 #import layer::{LayerRay, layer_length, point_at}
 #import medium::{extinction}
 #ifdef PLACEMENT_OCCUPIED
@@ -49,7 +52,10 @@ struct Column {
 }
 
 fn column_of(texel: vec2u) -> Column {
-    let ray = column_at((vec2f(texel) + 0.5) / f32(map.resolution));
+#ifdef CASCADES
+    cascade = texel.y / map.resolution;
+#endif
+    let ray = column_at(texel_uv(vec2i(texel)));
     let length_m = layer_length(ray);
 #ifdef PLACEMENT_OCCUPIED
     let occupied = mark_occupied(ray, length_m, map.part_m);

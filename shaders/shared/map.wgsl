@@ -3,6 +3,8 @@
 //   x = ((p·U, p·V) − origin)/extent in [0, 1]²,  (u, v) = x, or W(x) with a warp,  texel = ⌊uv·R⌋
 //   W: on each axis piecewise linear between equally spaced knots, so that texels are dense where the view takes its
 //      samples (Rosen 2012, Rectilinear Texture Warping); a column inverts it by bisection
+//   CASCADES: n rectangles, each with its own texels, one above the other along v in one texture: rectangle c has the
+//      rows cR … (c + 1)R − 1, and `cascade` says which of them is asked or filled
 //   depths are stored as d/depth_m, extinctions as σ·depth_m
 //   value i of a texel is component i mod C of array layer ⌊i/C⌋, C = channels of the texture format
 //
@@ -16,51 +18,97 @@ struct Map {
     u_axis: vec3f,
     depth_m: f32,       // L_max, the longest column
     v_axis: vec3f,
-    resolution: u32,
+    resolution: u32,    // edge of a rectangle, texels
     origin_m: vec2f,    // (p·U, p·V) of the corner of texel (0, 0)
     extent_m: vec2f,    // edges of the rectangle
     steps: u32,         // samples a column
     near_steps: u32,    // marched before the map is asked
     near_m: f32,        // their reach
     part_m: f32,        // longest part of a column that is occupied or empty as a whole (spans.wgsl)
+#ifdef CASCADES
+    camera_m: vec3f,        // from which the rectangles were laid
+#endif
+#ifdef FILL_FRAMES
+    sun_direction: vec3f,   // for which the columns are marched
+#endif
 }
 
 @group(2) @binding(0) var<uniform> map: Map;
 @group(2) @binding(2) var map_texture: texture_2d_array<f32>;
 @group(2) @binding(3) var map_sampler: sampler;
+
+#ifdef CASCADES
+const CASCADES: u32 = #{CASCADES}u;
+
+struct Cascade {
+    origin_m: vec2f,
+    extent_m: vec2f,
+    reach_m: f32,       // distance from the camera up to which it is asked
+}
+
+@group(2) @binding(12) var<storage, read> map_cascades: array<Cascade>;
+
+var<private> cascade: u32;
+#else
+const CASCADES: u32 = 1u;
+#endif
+
+fn map_origin_m() -> vec2f {
+#ifdef CASCADES
+    return map_cascades[cascade].origin_m;
+#else
+    return map.origin_m;
+#endif
+}
+
+fn map_extent_m() -> vec2f {
+#ifdef CASCADES
+    return map_cascades[cascade].extent_m;
+#else
+    return map.extent_m;
+#endif
+}
+
 #ifdef FIT_WARPED
 @group(2) @binding(11) var<storage, read> map_warp: array<vec2f>;   // W at the knots
 
 const WARP_PARTS: u32 = 64u;
 
+// Knots i.x of u and i.y of v.
+fn knots(i: vec2u) -> vec2f {
+#ifdef CASCADES
+    let first = cascade * (WARP_PARTS + 1u);
+    return vec2f(map_warp[first + i.x].x, map_warp[first + i.y].y);
+#else
+    return vec2f(map_warp[i.x].x, map_warp[i.y].y);
+#endif
+}
+
 fn warped(position: vec2f) -> vec2f {
     let s = saturate(position) * f32(WARP_PARTS);
     let i = min(vec2u(s), vec2u(WARP_PARTS - 1u));
-    let low = vec2f(map_warp[i.x].x, map_warp[i.y].y);
-    let high = vec2f(map_warp[i.x + 1u].x, map_warp[i.y + 1u].y);
-    return mix(low, high, s - vec2f(i));
+    return mix(knots(i), knots(i + 1u), s - vec2f(i));
 }
 
 fn unwarped(uv: vec2f) -> vec2f {
     var i = vec2u(0u);
     for (var step = WARP_PARTS / 2u; step > 0u; step /= 2u) {
-        let knots = vec2f(map_warp[i.x + step].x, map_warp[i.y + step].y);
-        i += select(vec2u(0u), vec2u(step), knots <= uv);
+        i += select(vec2u(0u), vec2u(step), knots(i + step) <= uv);
     }
-    let low = vec2f(map_warp[i.x].x, map_warp[i.y].y);
-    let high = vec2f(map_warp[i.x + 1u].x, map_warp[i.y + 1u].y);
+    let low = knots(i);
+    let high = knots(i + 1u);
     return (vec2f(i) + saturate((uv - low) / (high - low))) / f32(WARP_PARTS);
 }
 #endif
 
 struct Tap {
-    texel: vec2i,
-    uv: vec2f,
+    texel: vec2i,   // of the texture
+    uv: vec2f,      // in the rectangle
 }
 
 // Position in the rectangle, outside [0, 1]² where the map knows nothing.
 fn map_position(p: vec3f) -> vec2f {
-    return (vec2f(dot(p, map.u_axis), dot(p, map.v_axis)) - map.origin_m) / map.extent_m;
+    return (vec2f(dot(p, map.u_axis), dot(p, map.v_axis)) - map_origin_m()) / map_extent_m();
 }
 
 fn map_uv(position: vec2f) -> vec2f {
@@ -72,12 +120,31 @@ fn map_uv(position: vec2f) -> vec2f {
 }
 
 fn tap_at(uv: vec2f) -> Tap {
-    return Tap(vec2i(min(uv * f32(map.resolution), vec2f(f32(map.resolution) - 1.0))), uv);
+    return tap_of(vec2i(min(uv * f32(map.resolution), vec2f(f32(map.resolution) - 1.0))), uv);
+}
+
+// Tap of a texel of the rectangle.
+fn tap_of(texel: vec2i, uv: vec2f) -> Tap {
+#ifdef CASCADES
+    return Tap(vec2i(texel.x, texel.y + i32(cascade * map.resolution)), uv);
+#else
+    return Tap(texel, uv);
+#endif
+}
+
+// Texture coordinates of a place in the rectangle; at its edge a sampler reads no texel of the next rectangle.
+fn texture_uv(uv: vec2f) -> vec2f {
+#ifdef CASCADES
+    let half_texel = 0.5 / f32(map.resolution);
+    return vec2f(uv.x, (clamp(uv.y, half_texel, 1.0 - half_texel) + f32(cascade)) / f32(CASCADES));
+#else
+    return uv;
+#endif
 }
 
 fn fetch(tap: Tap, layer: u32) -> vec4f {
 #ifdef LOOKUP_HARDWARE
-    return textureSampleLevel(map_texture, map_sampler, tap.uv, layer, 0.0);
+    return textureSampleLevel(map_texture, map_sampler, texture_uv(tap.uv), layer, 0.0);
 #else
     return textureLoad(map_texture, tap.texel, layer, 0);
 #endif
@@ -86,9 +153,9 @@ fn fetch(tap: Tap, layer: u32) -> vec4f {
 // The column through a point of the map: from the sun side to the end of the layer or the ground.
 fn column_at(uv: vec2f) -> LayerRay {
 #ifdef FIT_WARPED
-    let plane = map.origin_m + unwarped(uv) * map.extent_m;
+    let plane = map_origin_m() + unwarped(uv) * map_extent_m();
 #else
-    let plane = map.origin_m + uv * map.extent_m;
+    let plane = map_origin_m() + uv * map_extent_m();
 #endif
     return layer_ray(plane.x * map.u_axis + plane.y * map.v_axis, -frame.sun_direction, -1e30, 1e30);
 }
@@ -98,6 +165,16 @@ fn column_length(tap: Tap) -> f32 {
 #ifdef LOOKUP_HARDWARE
     return layer_length(column_at(tap.uv));
 #else
-    return layer_length(column_at((vec2f(tap.texel) + 0.5) / f32(map.resolution)));
+    return layer_length(column_at(texel_uv(tap.texel)));
+#endif
+}
+
+// Middle of a texel of the texture, in its rectangle.
+fn texel_uv(texel: vec2i) -> vec2f {
+#ifdef CASCADES
+    let row = texel.y - i32(cascade * map.resolution);
+    return (vec2f(f32(texel.x), f32(row)) + 0.5) / f32(map.resolution);
+#else
+    return (vec2f(texel) + 0.5) / f32(map.resolution);
 #endif
 }

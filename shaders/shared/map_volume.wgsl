@@ -4,7 +4,7 @@
 //
 // `encode` stores voxels; `transmittance_at(uv, depth)` of the method samples them.
 // Cost: one filtered read.
-#import map::map_sampler
+#import map::{map_sampler, texture_uv}
 #import column::Column
 
 @group(2) @binding(7) var map_volume_texture: texture_3d<f32>;
@@ -42,5 +42,5 @@ fn store_voxel(column: Column, slice: u32, values: vec4f) {
 
 // Linear between the centres of voxels; level beyond the first and the last.
 fn sample_volume(uv: vec2f, depth: f32) -> vec4f {
-    return textureSampleLevel(map_volume_texture, map_sampler, vec3f(uv, depth), 0.0);
+    return textureSampleLevel(map_volume_texture, map_sampler, vec3f(texture_uv(uv), depth), 0.0);
 }

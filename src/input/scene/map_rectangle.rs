@@ -104,6 +104,16 @@ impl MapRectangle {
         rectangle
     }
 
+    /// Least and largest distance from the camera at which the view meets the layer, metres; `None` where it does not.
+    pub fn seen_range_m(scene: &Scene, image: ImageSize) -> Option<[f64; 2]> {
+        let rays = ViewRays::new(scene, image);
+        let intervals = rays.edges(scene).map(|(_, interval_m)| interval_m);
+        intervals.fold(None, |range, (start_m, end_m)| match range {
+            None => Some([start_m, end_m]),
+            Some([near_m, far_m]) => Some([near_m.min(start_m), far_m.max(end_m)]),
+        })
+    }
+
     /// Map coordinates (u, v) of a point, in 0…1; `None` outside the rectangle.
     pub fn uv(&self, p: DVec3) -> Option<[f64; 2]> {
         let plane = [p.dot(self.u_axis), p.dot(self.v_axis)];
@@ -188,6 +198,20 @@ impl ViewRays {
         (forward + right * (x * self.half.0) + up * (y * self.half.1)).normalize()
     }
 
+    /// Directions of a grid of rays over the picture, its edges included, with their intervals inside the layer.
+    fn edges<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = (DVec3, (f64, f64))> + 'a {
+        let place = |i: u32, n: u32| 2.0 * f64::from(i) / f64::from(n) - 1.0;
+        let rays = (0..=RAYS[1]).flat_map(move |j| (0..=RAYS[0]).map(move |i| (i, j)));
+        let directions =
+            rays.map(move |(i, j)| self.direction(place(i, RAYS[0]), place(j, RAYS[1])));
+        directions.flat_map(move |direction| {
+            let container = &scene.container;
+            let intervals = container.intervals(self.position, direction, 0.0, self.far_m);
+            let inside = intervals.into_iter().filter(|(start, end)| end > start);
+            inside.map(move |interval| (direction, interval))
+        })
+    }
+
     /// Equally spaced samples inside the layer on rays through the middles of a grid over the picture: where a view march
     /// asks for light, were there cloud everywhere.
     fn samples<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = DVec3> + 'a {
@@ -225,21 +249,9 @@ fn seen_bounds(scene: &Scene, rays: &ViewRays, u: DVec3, v: DVec3) -> Option<([f
             high[i] = high[i].max(value);
         }
     };
-    for j in 0..=RAYS[1] {
-        for i in 0..=RAYS[0] {
-            let x = 2.0 * f64::from(i) / f64::from(RAYS[0]) - 1.0;
-            let y = 2.0 * f64::from(j) / f64::from(RAYS[1]) - 1.0;
-            let direction = rays.direction(x, y);
-            for (start, end) in scene
-                .container
-                .intervals(rays.position, direction, 0.0, rays.far_m)
-            {
-                if end > start {
-                    include(rays.position + direction * start);
-                    include(rays.position + direction * end);
-                }
-            }
-        }
+    for (direction, (start, end)) in rays.edges(scene) {
+        include(rays.position + direction * start);
+        include(rays.position + direction * end);
     }
     if low[0] > high[0] {
         return None;

@@ -5,6 +5,7 @@
 mod camera;
 mod camera_track;
 mod light;
+mod map_cascades;
 mod map_rectangle;
 mod map_warp;
 mod march;
@@ -17,6 +18,7 @@ mod track;
 pub use camera::{Camera, ImageSize};
 pub use camera_track::CameraTrack;
 pub use light::{Ambient, Lobe, Medium, Sky, Sun};
+pub use map_cascades::{MapCascades, MapCoverage, MapPlace};
 pub use map_rectangle::{MapFit, MapRectangle};
 pub use map_warp::{MapWarp, WARP_PARTS};
 pub use march::{Integration, March};

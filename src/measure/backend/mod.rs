@@ -175,6 +175,16 @@ impl Backend {
         Prepared::new(self, view, setup, &sequence)
     }
 
+    /// [`Self::prepare_full`] with the light map of an earlier frame's view, where a map is filled over several frames.
+    pub fn prepare_with_map_of<'v>(
+        &'v self,
+        earlier: &'v View,
+        view: &'v View,
+        setup: &MethodSetup,
+    ) -> Result<Prepared<'v>> {
+        Prepared::with_map_of(self, earlier, view, setup)
+    }
+
     /// One picture, start to end.
     pub fn render(
         &self,

@@ -32,6 +32,8 @@ enum Executor<'v> {
     },
     Oracle {
         oracle: &'v Oracle,
+        /// The frame whose light map is read.
+        map_of: &'v Oracle,
         sequence: Rc<RefCell<Box<dyn OracleSequence>>>,
         /// Counts of the last frame.
         counts: Cell<Option<Counts>>,
@@ -69,6 +71,7 @@ impl<'v> Prepared<'v> {
                 oracle.prepare(setup, Options::stored(setup))?;
                 let kind = Executor::Oracle {
                     oracle,
+                    map_of: oracle,
                     sequence: sequence.clone(),
                     counts: Cell::new(None),
                 };
@@ -84,6 +87,29 @@ impl<'v> Prepared<'v> {
         })
     }
 
+    /// A method whose light map is that of an earlier frame; its picture is one of `view`, every pixel marched.
+    pub(super) fn with_map_of(
+        backend: &'v Backend,
+        earlier: &'v View,
+        view: &'v View,
+        setup: &MethodSetup,
+    ) -> Result<Self> {
+        let mut prepared = backend.prepare_full(view, setup)?;
+        match (&mut prepared.kind, &earlier.kind) {
+            (
+                Executor::Device {
+                    renderer,
+                    view,
+                    prepared,
+                },
+                ViewKind::Device(earlier),
+            ) => **prepared = renderer.prepare_with_map_of(earlier, view, setup)?,
+            (Executor::Oracle { map_of, .. }, ViewKind::Oracle(earlier)) => *map_of = earlier,
+            _ => return Err(stranger()),
+        }
+        Ok(prepared)
+    }
+
     /// Renders the next frame. On the oracle the map is marched anew, and only the wall time is known.
     pub fn run(&self, progress: Progress) -> Result<PassTimes> {
         match &self.kind {
@@ -92,11 +118,13 @@ impl<'v> Prepared<'v> {
             } => prepared.run(&renderer.gpu, progress),
             Executor::Oracle {
                 oracle,
+                map_of,
                 sequence,
                 counts,
             } => {
                 let start = Instant::now();
-                let method = oracle.prepare(&self.setup, Options::stored(&self.setup))?;
+                let options = Options::stored(&self.setup);
+                let method = oracle.prepare_with_map_of(map_of, &self.setup, options)?;
                 let made = sequence.borrow_mut().render(&method, progress)?;
                 counts.set(Some(made));
                 Ok(PassTimes {

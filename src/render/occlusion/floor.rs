@@ -18,16 +18,22 @@ const TRIALS: Trials = Trials {
         trial("sampling=end", ""),
         trial("fit=warped", "fit=warped warp_exponent=0.5"),
         trial("near_steps=3 near_m=0.2", "near_steps=3 near_m=0.1"),
+        trial("cascades=3", "cascades=3 cascade_ratio=0.5"),
+        trial("fill_frames=4", "fill_frames=4 sampling=end"),
     ],
     clouds: &[
         trial("", "sampling=end"),
         trial("fit=warped placement=occupied", "fit=axes"),
         trial("fit=axes near_steps=4", "fit=axes near_steps=3"),
+        trial("fit=warped cascades=2", "fit=warped"),
+        trial("lookup=hardware cascades=4", "lookup=hardware cascades=2"),
     ],
     texels: &[
         trial("", "sampling=end"),
         trial("fit=axes", ""),
         trial("fit=warped placement=occupied", "fit=axes"),
+        trial("cascades=3", "cascades=3 cascade_ratio=0.6"),
+        trial("fit=warped cascades=2 fill_frames=2", "fit=axes cascades=2"),
     ],
     exact: &[""],
 };

@@ -11,15 +11,23 @@ pub const GEOMETRY: &[ParamSpec] = &[
     PLACEMENT,
     FIT,
     WARP_EXPONENT,
+    CASCADES,
+    CASCADE_RATIO,
     NEAR_STEPS,
     NEAR_REACH,
+    FILL_FRAMES,
 ];
 
 /// Parameters of a map of floats that is read by texels, beside [`GEOMETRY`].
 pub const TEXELS: &[ParamSpec] = &[STORAGE, LOOKUP];
 
 /// Numbers among them that the renderer reads, and no shader.
-pub const READ_BY_RENDERER: &[&str] = &[WARP_EXPONENT.name];
+pub const READ_BY_RENDERER: &[&str] = &[
+    WARP_EXPONENT.name,
+    CASCADES.name,
+    CASCADE_RATIO.name,
+    FILL_FRAMES.name,
+];
 
 /// Edge of a map.
 const RESOLUTION: ParamSpec = ParamSpec {
@@ -147,6 +155,37 @@ const WARP_EXPONENT: ParamSpec = ParamSpec {
     as_printed: &[],
 };
 
+/// Nested rectangles.
+const CASCADES: ParamSpec = ParamSpec {
+    name: "cascades",
+    unit: "",
+    doc: "Nested rectangles of `resolution`² texels each: points near the camera are read from a smaller one, mixed with the next over the last tenth of its reach (Dimitrov 2007).",
+    kind: ParamKind::Int {
+        min: 1,
+        max: 4,
+        default: 1,
+    },
+    applies: Applies::Always,
+    as_printed: &[],
+};
+
+/// Reaches of nested rectangles.
+const CASCADE_RATIO: ParamSpec = ParamSpec {
+    name: "cascade_ratio",
+    unit: "",
+    doc: "Reach of a cascade over that of the next, both counted from the nearest point of the layer in view.",
+    kind: ParamKind::Float {
+        min: 0.01,
+        max: 0.99,
+        default: 0.3,
+    },
+    applies: Applies::AtLeast {
+        of: "cascades",
+        min: 2,
+    },
+    as_printed: &[],
+};
+
 /// Steps of the march before the map is asked.
 const NEAR_STEPS: ParamSpec = ParamSpec {
     name: "near_steps",
@@ -175,6 +214,20 @@ const NEAR_REACH: ParamSpec = ParamSpec {
         of: "near_steps",
         min: 1,
     },
+    as_printed: &[],
+};
+
+/// Frames over which the map is filled.
+const FILL_FRAMES: ParamSpec = ParamSpec {
+    name: "fill_frames",
+    unit: "frames",
+    doc: "Frames over which the map is filled, an equal part in each, beside the one that is read meanwhile; 1 = the whole map in every frame. At rest the picture is the same.",
+    kind: ParamKind::Int {
+        min: 1,
+        max: 64,
+        default: 1,
+    },
+    applies: Applies::Always,
     as_printed: &[],
 };
 

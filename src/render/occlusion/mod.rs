@@ -45,7 +45,7 @@ pub use plan::Plan;
 
 use crate::error::{Error, Result};
 use crate::param::{ParamSpec, ParamValue, Params};
-use crate::scene::{MapFit, Scene};
+use crate::scene::{MapCoverage, MapFit, Scene};
 use crate::shader_defs::Defs;
 use twin::Twin;
 
@@ -231,6 +231,26 @@ impl MethodSetup {
         })
     }
 
+    /// Extent of its map and distribution of the texels over it.
+    pub fn map_coverage(&self) -> Result<MapCoverage> {
+        Ok(MapCoverage {
+            fit: self.map_fit()?,
+            cascades: self.params.int("cascades")?,
+            ratio: self.params.number("cascade_ratio")?,
+        })
+    }
+
+    /// Rows of texels of its map: those of all cascades.
+    pub fn map_rows(&self) -> Result<u32> {
+        let resolution = self.params.int("resolution")?;
+        Ok(resolution.saturating_mul(self.params.int("cascades")?))
+    }
+
+    /// Frames over which its map is filled; 1 without a map.
+    pub fn fill_frames(&self) -> u32 {
+        self.params.int("fill_frames").unwrap_or(1)
+    }
+
     /// Note for a user who set a parameter that has no effect at this setting; `None` where it has one.
     pub fn idle_note(&self, name: &str) -> Option<String> {
         let mut specs = self.method.info().specs();
@@ -251,6 +271,14 @@ impl MethodSetup {
         }
         if self.params.int("near_steps").is_ok_and(|steps| steps > 0) {
             defs.insert("NEAR_MARCH".to_owned(), None);
+        }
+        let cascades = self.params.int("cascades").unwrap_or(1);
+        if cascades > 1 {
+            defs.insert("CASCADES".to_owned(), Some(cascades.cast_signed()));
+        }
+        let frames = self.params.int("fill_frames").unwrap_or(1);
+        if frames > 1 {
+            defs.insert("FILL_FRAMES".to_owned(), Some(frames.cast_signed()));
         }
         defs
     }

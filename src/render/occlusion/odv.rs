@@ -53,6 +53,7 @@ const TRIALS: Trials = Trials {
         trial("", "sampling=end"),
         trial("slices=8", "slices=8 sampling=end"),
         trial("fit=warped placement=occupied", "fit=axes"),
+        trial("cascades=2", "cascades=2 cascade_ratio=0.6"),
     ],
     exact: &["slices=64"],
 };

@@ -21,6 +21,9 @@ use crate::shader_defs::Defs;
 /// Bytes of a warp's table: a knot of two f32 at both ends of every part.
 pub const WARP_BYTES: u64 = (WARP_PARTS as u64 + 1) * 8;
 
+/// Bytes that place one of several cascades: origin, extent, reach and padding, f32.
+pub const CASCADE_BYTES: u64 = 24;
+
 /// Map and shader definitions that a method needs at given parameters.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {

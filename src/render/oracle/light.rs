@@ -83,11 +83,16 @@ impl Tally {
 }
 
 impl<'a> Occlusion<'a> {
-    pub(super) fn new(oracle: &'a Oracle, setup: &MethodSetup, options: Options) -> Result<Self> {
+    pub(super) fn new(
+        oracle: &'a Oracle,
+        map_of: &Oracle,
+        setup: &MethodSetup,
+        options: Options,
+    ) -> Result<Self> {
         let kind = match setup.method.oracle(&setup.params)? {
             Twin::March(march) => LightModel::March(march),
             Twin::Map(encoding) => {
-                LightModel::Map(Box::new(LightMap::new(oracle, setup, encoding, options)?))
+                LightModel::Map(Box::new(LightMap::new(map_of, setup, encoding, options)?))
             }
         };
         Ok(Self {
@@ -120,8 +125,8 @@ impl<'a> Occlusion<'a> {
     pub fn behind(&self, column: &LightColumn) -> f64 {
         let p = column.point(column.length_m());
         match &self.kind {
-            LightModel::Map(map) => match map.uv(p) {
-                Some(uv) => map.transmittance(uv, UNLIMITED_M),
+            LightModel::Map(map) => match map.places(p) {
+                Some(places) => map.transmittance(places, UNLIMITED_M),
                 None => self.visibility(p, 0.5),
             },
             LightModel::March(_) => self.visibility(p, 0.5),
@@ -165,13 +170,20 @@ impl<'a> Occlusion<'a> {
             LightModel::March(march) => march.transmittance(&ray, rnd),
             LightModel::Map(map) => {
                 count(&tally.look_ups);
-                let Some(uv) = map.uv(p) else {
+                let Some(places) = map.places(p) else {
                     count(&tally.fallbacks);
                     return fallback(&ray);
                 };
                 let near = map.near();
-                let length_m = layer.length_m();
-                let far = map.transmittance(uv, length_m - near.reach_m(length_m));
+                let length_m = match map.sun == *sun {
+                    true => layer.length_m(),
+                    // Columns of an earlier frame's map.
+                    false => {
+                        let along = (0.0, UNLIMITED_M);
+                        LayerRay::new(&scene.container, p, map.sun, along).length_m()
+                    }
+                };
+                let far = map.transmittance(places, length_m - near.reach_m(length_m));
                 near.transmittance(&ray) * far
             }
         }

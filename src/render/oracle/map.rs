@@ -12,7 +12,7 @@ use crate::occlusion::spans::{Spans, part_m};
 use crate::occlusion::twin::{Column, Encoding, LookUp, NearMarch};
 use crate::occlusion::{MethodSetup, Plan};
 use crate::scene::Container;
-use crate::scene::MapRectangle;
+use crate::scene::{MapCascades, MapPlace};
 use glam::DVec3;
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -59,12 +59,13 @@ impl Rule {
 
 /// A light map whose texels are marched at their first look-up.
 pub(super) struct LightMap {
-    rectangle: MapRectangle,
+    cascades: MapCascades,
     near: NearMarch,
     container: Container,
     field: Arc<OracleField>,
     skip: bool,
-    sun: DVec3,
+    /// Direction toward the sun when the map was filled.
+    pub sun: DVec3,
     resolution: u32,
     steps: u32,
     sampling: &'static str,
@@ -89,7 +90,7 @@ impl LightMap {
         let values = plan.map_values().unwrap_or_default();
         let samples =
             u64::from(image.width) * u64::from(image.height) * u64::from(scene.march.most_steps());
-        let texels = u64::from(resolution).pow(2).min(4 * samples);
+        let texels = (u64::from(resolution) * u64::from(setup.map_rows()?)).min(8 * samples);
         if texels.saturating_mul(8 * u64::from(values)) > MAX_BYTES {
             return Err(Error::input(
                 "method",
@@ -100,7 +101,7 @@ impl LightMap {
             ));
         }
         Ok(Self {
-            rectangle: MapRectangle::fit(scene, *image, resolution, setup.map_fit()?),
+            cascades: MapCascades::new(scene, *image, resolution, setup.map_coverage()?),
             near: NearMarch::new(setup)?,
             container: scene.container.clone(),
             field: oracle.field.clone(),
@@ -117,9 +118,9 @@ impl LightMap {
         })
     }
 
-    /// (u, v) in the rectangle; `None` outside.
-    pub fn uv(&self, p: DVec3) -> Option<[f64; 2]> {
-        self.rectangle.uv(p)
+    /// Where the map answers for a point; `None` outside of its rectangles.
+    pub fn places(&self, p: DVec3) -> Option<[MapPlace; 2]> {
+        self.cascades.places(p)
     }
 
     /// The march from a point toward the sun before the map is asked.
@@ -127,28 +128,36 @@ impl LightMap {
         self.near
     }
 
-    /// V at depth `depth_m`.
-    pub fn transmittance(&self, uv: [f64; 2], depth_m: f64) -> f64 {
-        if self.rectangle.depth_m <= 0.0 {
+    /// V at depth `depth_m` of the places that answer for a point.
+    pub fn transmittance(&self, places: [MapPlace; 2], depth_m: f64) -> f64 {
+        let asked = places.iter().filter(|place| place.share > 0.0);
+        asked.map(|p| p.share * self.at(*p, depth_m)).sum()
+    }
+
+    /// V at a place and depth, from its rectangle alone.
+    fn at(&self, MapPlace { cascade, uv, .. }: MapPlace, depth_m: f64) -> f64 {
+        if self.depth_m() <= 0.0 {
             return 1.0;
         }
-        let depth = depth_m / self.rectangle.depth_m;
+        let depth = depth_m / self.depth_m();
         let ask = |values: &[f64], length: f64| {
             self.encoding.transmittance(
                 values,
                 LookUp {
                     depth,
                     length,
-                    depth_m: self.rectangle.depth_m,
+                    depth_m: self.depth_m(),
                 },
                 &self.rounding,
             )
         };
         if self.rule == Rule::Nearest {
-            let texel = self.texel(uv.map(|v| self.clamped((v * self.edge()).floor())));
+            let texel = self.texel(cascade, uv.map(|v| self.clamped((v * self.edge()).floor())));
             return ask(&texel.values, texel.length);
         }
-        let taps = self.taps(uv).map(|(at, share)| (self.texel(at), share));
+        let taps = self
+            .taps(uv)
+            .map(|(at, share)| (self.texel(cascade, at), share));
         if self.rule == Rule::Blend {
             return taps
                 .iter()
@@ -161,7 +170,15 @@ impl LightMap {
                 *sum += share * value;
             }
         }
-        ask(&values, self.column(uv).length_m() / self.rectangle.depth_m)
+        ask(
+            &values,
+            self.column(cascade, uv).length_m() / self.depth_m(),
+        )
+    }
+
+    /// L_max, metres.
+    fn depth_m(&self) -> f64 {
+        self.cascades.depth_m()
     }
 
     fn edge(&self) -> f64 {
@@ -191,10 +208,10 @@ impl LightMap {
     }
 
     /// The column through a point of the map, from the sun side.
-    fn column(&self, uv: [f64; 2]) -> LayerRay {
+    fn column(&self, cascade: usize, uv: [f64; 2]) -> LayerRay {
         LayerRay::new(
             &self.container,
-            self.rectangle.column_origin(uv),
+            self.cascades.rectangles()[cascade].column_origin(uv),
             -self.sun,
             (-UNLIMITED_M, UNLIMITED_M),
         )
@@ -218,41 +235,46 @@ impl LightMap {
         self.shards.iter().map(shard).sum()
     }
 
-    /// Values of a texel, clamped to the map's edge.
-    pub fn stored(&self, at: [u32; 2]) -> Vec<f64> {
-        self.texel(at.map(|i| i.min(self.resolution - 1)))
-            .values
-            .to_vec()
+    /// Values of a texel, clamped to the map's edge; `v` counts through all rectangles.
+    pub fn stored(&self, [u, v]: [u32; 2]) -> Vec<f64> {
+        let last = self.resolution - 1;
+        let cascade = (v / self.resolution) as usize;
+        let values = match cascade < self.cascades.rectangles().len() {
+            true => self.texel(cascade, [u.min(last), v % self.resolution]),
+            false => self.texel(self.cascades.rectangles().len() - 1, [u.min(last), last]),
+        };
+        values.values.to_vec()
     }
 
-    fn texel(&self, at: [u32; 2]) -> Arc<Texel> {
-        let key = u64::from(at[1]) * u64::from(self.resolution) + u64::from(at[0]);
+    fn texel(&self, cascade: usize, at: [u32; 2]) -> Arc<Texel> {
+        let row = cascade as u64 * u64::from(self.resolution) + u64::from(at[1]);
+        let key = row * u64::from(self.resolution) + u64::from(at[0]);
         let shard = &self.shards[key as usize % SHARDS];
         let lock = || shard.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(texel) = lock().get(&key) {
             return texel.clone();
         }
-        let texel = Arc::new(self.march(at));
+        let texel = Arc::new(self.march(cascade, at));
         lock().entry(key).or_insert(texel).clone()
     }
 
-    fn march(&self, at: [u32; 2]) -> Texel {
+    fn march(&self, cascade: usize, at: [u32; 2]) -> Texel {
         let samples = Cell::new(0);
         let ray = CountedRay {
             field: &self.field,
             skip: self.skip,
-            ray: self.column(at.map(|i| (f64::from(i) + 0.5) / self.edge())),
+            ray: self.column(cascade, at.map(|i| (f64::from(i) + 0.5) / self.edge())),
             samples: &samples,
         };
         let spans = self
             .placed
-            .then(|| Spans::walk(&ray, part_m(self.field.cell_m(), self.rectangle.depth_m)));
-        let depth_m = self.rectangle.depth_m;
+            .then(|| Spans::walk(&ray, part_m(self.field.cell_m(), self.depth_m())));
+        let depth_m = self.depth_m();
         let column = Column::march(&ray, self.steps, self.sampling, spans, depth_m);
         let values = self.encoding.encode(&column, &self.rounding);
         Texel {
             values: self.encoding.stored(values, &self.rounding).into(),
-            length: column.length_m / self.rectangle.depth_m,
+            length: column.length_m / self.depth_m(),
             samples: samples.get(),
         }
     }

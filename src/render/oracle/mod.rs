@@ -136,7 +136,18 @@ impl Oracle {
 
     /// Prepares a method in this scene.
     pub fn prepare(&self, setup: &MethodSetup, options: Options) -> Result<Occlusion<'_>> {
-        Occlusion::new(self, setup, options)
+        Occlusion::new(self, self, setup, options)
+    }
+
+    /// [`Self::prepare`] with the light map of another scene or camera: that of an earlier frame, where the map is filled
+    /// over several.
+    pub fn prepare_with_map_of<'a>(
+        &'a self,
+        earlier: &Oracle,
+        setup: &MethodSetup,
+        options: Options,
+    ) -> Result<Occlusion<'a>> {
+        Occlusion::new(self, earlier, setup, options)
     }
 
     /// Renders one picture.

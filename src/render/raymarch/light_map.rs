@@ -1,30 +1,40 @@
 //! Uniform and warp table of a light map's placement.
 
-use super::map_storage::MapStorage;
 use crate::error::Result;
 use crate::gpu::{Gpu, Inputs, Resource, UniformValue};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::plan::WARP_BYTES;
 use crate::occlusion::spans::part_m;
-use crate::scene::{MapRectangle, MapWarp};
+use crate::scene::{MapCascades, MapRectangle, MapWarp, Scene};
+use glam::DVec3;
 
-/// Offers the geometry of a map to its passes and to the view march. `cell_m` is the edge of the cells of the grid of empty
-/// space.
+/// Offers the geometry of a map of `scene` to its passes and to the view march. `cell_m` is the edge of the cells of the
+/// grid of empty space.
 pub(super) fn offer_geometry(
     gpu: &Gpu,
-    rectangle: &MapRectangle,
-    storage: &MapStorage,
+    cascades: &MapCascades,
     setup: &MethodSetup,
+    scene: &Scene,
     cell_m: Option<f64>,
     inputs: &mut Inputs,
 ) -> Result<()> {
-    let mut members = map_uniform(rectangle, storage.resolution, setup)?;
-    let part_m = part_m(cell_m, rectangle.depth_m);
+    // The last rectangle is the whole one.
+    let rectangles = cascades.rectangles();
+    let whole = &rectangles[rectangles.len() - 1];
+    let mut members = map_uniform(whole, setup, scene)?;
+    let part_m = part_m(cell_m, cascades.depth_m());
     members.push(("part_m", UniformValue::F32(part_m as f32)));
     inputs.uniform("map", members);
-    if let Some(warp) = &rectangle.warp {
-        let buffer = gpu.buffer("warp", &warp_table(warp), wgpu::BufferUsages::STORAGE);
+    let warps = rectangles.iter().filter_map(|r| r.warp.as_ref());
+    let tables: Vec<u8> = warps.flat_map(warp_table).collect();
+    if !tables.is_empty() {
+        let buffer = gpu.buffer("warp", &tables, wgpu::BufferUsages::STORAGE);
         inputs.resource("map_warp", Resource::Buffer(buffer));
+    }
+    if rectangles.len() > 1 {
+        let table = cascade_table(cascades);
+        let buffer = gpu.buffer("cascades", &table, wgpu::BufferUsages::STORAGE);
+        inputs.resource("map_cascades", Resource::Buffer(buffer));
     }
     Ok(())
 }
@@ -32,11 +42,11 @@ pub(super) fn offer_geometry(
 /// Members of `Map` in shared/map.wgsl.
 fn map_uniform(
     rectangle: &MapRectangle,
-    resolution: u32,
     setup: &MethodSetup,
+    scene: &Scene,
 ) -> Result<Vec<(&'static str, UniformValue)>> {
     let vec2 = |v: [f64; 2]| UniformValue::Vec2(v.map(|v| v as f32));
-    let vec3 = |v: glam::DVec3| UniformValue::Vec3(v.as_vec3().into());
+    let vec3 = |v: DVec3| UniformValue::Vec3(v.as_vec3().into());
     let params = &setup.params;
     Ok(vec![
         ("u_axis", vec3(rectangle.u_axis)),
@@ -44,11 +54,24 @@ fn map_uniform(
         ("origin_m", vec2(rectangle.origin_m)),
         ("extent_m", vec2(rectangle.extent_m)),
         ("depth_m", UniformValue::F32(rectangle.depth_m as f32)),
-        ("resolution", UniformValue::U32(resolution)),
+        ("resolution", UniformValue::U32(params.int("resolution")?)),
         ("steps", UniformValue::U32(params.int("steps")?)),
         ("near_steps", UniformValue::U32(params.int("near_steps")?)),
         ("near_m", UniformValue::F32(params.number("near_m")? as f32)),
+        ("camera_m", vec3(scene.camera.position_m.into())),
+        ("sun_direction", vec3(scene.sun.direction())),
     ])
+}
+
+/// `Cascade`s of shared/map.wgsl: origin, extent, reach and 4 bytes of padding.
+fn cascade_table(cascades: &MapCascades) -> Vec<u8> {
+    let rectangles = cascades.rectangles().iter().zip(cascades.reaches_m());
+    let members = rectangles.flat_map(|(r, reach_m)| {
+        let [u_m, v_m] = r.origin_m;
+        let [width_m, height_m] = r.extent_m;
+        [u_m, v_m, width_m, height_m, reach_m.min(1e30), 0.0]
+    });
+    members.flat_map(|m| (m as f32).to_le_bytes()).collect()
 }
 
 /// Knots of both axes side by side, f32.

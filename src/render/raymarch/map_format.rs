@@ -1,11 +1,12 @@
 //! Texel formats of light maps on a device, and the memory the maps take.
 
+use super::map_pass::maps_of;
 use crate::cost::Memory;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::occlusion::plan::{MapLayout, MapNumbers, MapPlan, WARP_BYTES, texels};
+use crate::occlusion::plan::{CASCADE_BYTES, MapLayout, MapNumbers, MapPlan, WARP_BYTES, texels};
 use crate::occlusion::{MethodSetup, Plan};
-use crate::scene::MapFit;
+use crate::scene::{MapCoverage, MapFit};
 use crate::shader_defs::Defs;
 use wgpu::TextureFormat as F;
 
@@ -204,11 +205,17 @@ pub(super) fn memory(
     format: Option<TexelFormat>,
     setup: &MethodSetup,
 ) -> Result<Memory> {
-    let resolution = setup.params.int("resolution")?;
-    let warp_bytes = match setup.map_fit()? {
+    let (resolution, rows) = (setup.params.int("resolution")?, setup.map_rows()?);
+    let MapCoverage { fit, cascades, .. } = setup.map_coverage()?;
+    let warp_bytes = match fit {
         MapFit::Warped(_) => WARP_BYTES,
         MapFit::Square | MapFit::Axes => 0,
     };
+    let cascade_bytes = match cascades {
+        1 => 0,
+        _ => CASCADE_BYTES,
+    };
+    let table_bytes = u64::from(cascades) * (warp_bytes + cascade_bytes);
     let (values, slices) = match plan.layout {
         MapLayout::Array { values, .. } => (values, 1),
         MapLayout::Volume { values, slices, .. } => (values, slices),
@@ -218,17 +225,18 @@ pub(super) fn memory(
         Some(format) => (format.value_bytes, format.layers(values) * format.channels),
         None => (4, values),
     };
-    let places = texels([resolution, resolution, slices], plan.levels);
+    let places = texels([resolution, rows, slices], plan.levels);
     let bytes = |values: u32| u64::from(values) * u64::from(value_bytes) * places;
     let beside = |temporary: bool| -> u64 {
         let resources = plan.resources.iter();
         let bytes = resources.filter(|r| r.temporary == temporary);
         bytes.map(|r| r.kind.bytes()).sum()
     };
-    let (kept, temporary_bytes) = (beside(false) + warp_bytes, beside(true));
+    let (kept, temporary_bytes) = (beside(false) + table_bytes, beside(true));
+    let maps = maps_of(setup.fill_frames());
     Ok(Memory {
-        payload_bytes: bytes(values) + kept,
-        map_bytes: bytes(stored_values) + kept + temporary_bytes,
+        payload_bytes: maps * (bytes(values) + kept),
+        map_bytes: maps * (bytes(stored_values) + kept) + temporary_bytes,
         allocator_bytes: None,
         temporary_bytes,
     })

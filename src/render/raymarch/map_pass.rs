@@ -5,20 +5,44 @@ use super::map_format::{TexelFormat, defs, usable};
 use super::map_storage::MapStorage;
 use super::tiles::{Pass, SLOW_SAMPLES_A_MS, Tiles};
 use super::{DeviceView, Renderer};
+use crate::cost::Memory;
 use crate::error::{Error, Result};
 use crate::gpu::{Flight, Gpu, Inputs, Kernel, PassTime, Program, Resource, Span};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::plan::{MapPlan, MethodPass};
 use crate::progress::Progress;
-use crate::scene::MapRectangle;
+use crate::scene::MapCascades;
 use crate::shader_defs::Defs;
+use std::cell::Cell;
 use std::rc::Rc;
 
-/// A light map and the passes that fill it.
+/// A light map and the passes that fill it: the whole map in every frame, or a part of a second map, which replaces the
+/// one that is read when it is complete.
 pub(super) struct MapPasses {
-    pub storage: MapStorage,
-    /// In order of execution.
+    /// One map, or two that are filled and read in turn.
+    maps: Vec<FilledMap>,
+    /// Resources of each map, by the names under which it is read.
+    inputs: Vec<Inputs>,
+    /// Frames over which a map is filled.
+    fill_frames: u32,
+    state: Cell<FillState>,
+}
+
+/// A map and its passes, in order of execution.
+struct FilledMap {
+    storage: MapStorage,
     passes: Vec<MapPass>,
+}
+
+/// Progress of filling a map over several frames.
+#[derive(Clone, Copy, Default)]
+struct FillState {
+    /// Whether there is a complete map to read.
+    complete: bool,
+    /// The map that is read.
+    read: usize,
+    /// The part of the other map that the next frame fills.
+    part: u32,
 }
 
 /// One compiled pass with its resources.
@@ -41,8 +65,8 @@ struct MapContext<'a> {
 }
 
 impl MapPasses {
-    /// Allocates a map and compiles its passes. The definitions and inputs that the view march needs are added to
-    /// `defs` and `inputs`.
+    /// Allocates the map of a view and compiles its passes. The definitions that the view march needs are added to
+    /// `defs`, the geometry of the map to `inputs`.
     pub fn new(
         renderer: &Renderer,
         view: &DeviceView,
@@ -53,71 +77,200 @@ impl MapPasses {
         counting: bool,
     ) -> Result<Self> {
         let gpu = &renderer.gpu;
+        let fill_frames = fill_frames(setup, plan)?;
         let format = TexelFormat::choose(setup, plan.layout, |format| usable(gpu, format))?;
         defs.extend(self::defs(plan.layout, format));
-        let storage = MapStorage::new(gpu, setup, plan, format, inputs)?;
-        let fit = setup.map_fit()?;
-        let rectangle = MapRectangle::fit(&view.scene, view.image, storage.resolution, fit);
+        let resolution = setup.params.int("resolution")?;
+        let cascades = MapCascades::new(&view.scene, view.image, resolution, setup.map_coverage()?);
         let cell_m = view.density.built.cell_m;
-        offer_geometry(gpu, &rectangle, &storage, setup, cell_m, inputs)?;
-        let around = MapContext {
-            renderer,
-            view,
-            setup,
-            defs,
-            inputs,
-            counting,
-        };
-        let own = |passes: &[MethodPass]| -> Result<Vec<MapPass>> {
-            let compiled = passes.iter().map(|pass| around.own_pass(pass, &storage));
-            compiled.collect()
-        };
-        let mut passes = own(&plan.before)?;
-        passes.push(around.column_pass(storage.resolution)?);
-        passes.extend(own(&plan.after)?);
-        Ok(Self { storage, passes })
+        offer_geometry(gpu, &cascades, setup, &view.scene, cell_m, inputs)?;
+        let (mut maps, mut read) = (Vec::new(), Vec::new());
+        for _ in 0..maps_of(fill_frames) {
+            let mut own = inputs.clone();
+            let storage = MapStorage::new(gpu, setup, plan, format, &mut own)?;
+            let around = MapContext {
+                renderer,
+                view,
+                setup,
+                defs,
+                inputs: &own,
+                counting,
+            };
+            let passes = around.passes(plan, &storage)?;
+            maps.push(FilledMap { storage, passes });
+            read.push(own);
+        }
+        Ok(Self {
+            maps,
+            inputs: read,
+            fill_frames,
+            state: Cell::default(),
+        })
     }
 
-    /// Fills the map, tile by tile; returns the GPU time of all passes.
+    /// Memory of all maps.
+    pub fn memory(&self) -> Memory {
+        self.maps[0].storage.memory
+    }
+
+    /// The map that is read.
+    pub fn storage(&self) -> &MapStorage {
+        &self.maps[self.read()].storage
+    }
+
+    /// Index of the map that is read.
+    pub fn read(&self) -> usize {
+        self.state.get().read
+    }
+
+    /// Resources of each map, by the names under which it is read.
+    pub fn inputs(&self) -> &[Inputs] {
+        &self.inputs
+    }
+
+    /// Fills the map, or the next part of it, tile by tile; returns the GPU time of all passes. Where there is no
+    /// complete map yet, one is filled before, outside of that time.
     pub fn fill(&self, gpu: &Gpu, progress: Progress) -> Result<PassTime> {
-        let run = |pass: &MapPass| pass.tiles.run(gpu, &pass.pass(), &mut *progress);
-        let times: Vec<PassTime> = self.passes.iter().map(run).collect::<Result<_>>()?;
+        let mut run = |pass: &MapPass, part| pass.tiles.run(gpu, &pass.pass(part), &mut *progress);
+        if !self.state.get().complete && self.fill_frames > 1 {
+            for pass in &self.maps[self.read()].passes {
+                run(pass, Part::WHOLE)?;
+            }
+        }
+        let passes = self.next();
+        let times: Vec<PassTime> = passes
+            .map(|(pass, part)| run(pass, part))
+            .collect::<Result<_>>()?;
+        self.advance();
         Ok(PassTime::sum(&times))
     }
 
-    /// Records all passes without waiting.
+    /// Records what [`Self::fill`] does, without waiting. Needs one [`Self::fill`] before.
     pub fn record(&self, flight: &mut Flight) -> Vec<Span> {
-        let record = |pass: &MapPass| pass.tiles.record(flight, &pass.pass());
-        self.passes.iter().flat_map(record).collect()
+        let record = |(pass, part): (&MapPass, Part)| pass.tiles.record(flight, &pass.pass(part));
+        let spans = self.next().flat_map(record).collect();
+        self.advance();
+        spans
+    }
+
+    /// The passes of the next frame.
+    fn next(&self) -> impl Iterator<Item = (&MapPass, Part)> {
+        let FillState { read, part, .. } = self.state.get();
+        let filled = (read + 1) % self.maps.len();
+        let of = self.fill_frames;
+        let passes = self.maps[filled].passes.iter();
+        passes.map(move |pass| (pass, Part { index: part, of }))
+    }
+
+    fn advance(&self) {
+        let state = self.state.get();
+        let part = (state.part + 1) % self.fill_frames;
+        let read = match part {
+            0 => (state.read + 1) % self.maps.len(),
+            _ => state.read,
+        };
+        self.state.set(FillState {
+            complete: true,
+            read,
+            part,
+        });
     }
 
     /// The compiled passes.
     pub fn kernels(&self) -> impl Iterator<Item = &Kernel> {
-        self.passes.iter().map(|pass| &*pass.kernel)
+        self.maps[0].passes.iter().map(|pass| &*pass.kernel)
     }
 
-    /// Counter buffers of the passes that count.
+    /// Counter buffers of the passes that count, of the map that the first frame fills a part of.
     pub fn counts(&self) -> impl Iterator<Item = &wgpu::Buffer> {
-        self.passes.iter().filter_map(|pass| pass.counts.as_ref())
+        let filled = &self.maps[self.maps.len() - 1];
+        filled.passes.iter().filter_map(|pass| pass.counts.as_ref())
     }
 }
 
+/// Maps that are allocated: a second one where a map is filled while another is read.
+pub(super) fn maps_of(fill_frames: u32) -> u64 {
+    match fill_frames {
+        1 => 1,
+        _ => 2,
+    }
+}
+
+/// Frames over which a map is filled; an error where its rows do not split evenly, or where its method has passes of its
+/// own, which need the whole map.
+fn fill_frames(setup: &MethodSetup, plan: &MapPlan) -> Result<u32> {
+    let (frames, rows) = (setup.fill_frames(), setup.map_rows()?);
+    let id = setup.method.info().id;
+    if frames == 1 {
+        return Ok(1);
+    }
+    if !plan.before.is_empty() || !plan.after.is_empty() {
+        return Err(Error::input(
+            format!("method `{id}`"),
+            format!(
+                "its map cannot be filled over {frames} frames: it has passes that need the whole map"
+            ),
+            "Choose `fill_frames` 1.",
+        ));
+    }
+    if !rows.is_multiple_of(ROWS_OF_WORKGROUP * frames) {
+        return Err(Error::input(
+            format!("method `{id}`"),
+            format!(
+                "a map of {rows} rows cannot be filled in {frames} equal parts of whole workgroups ({ROWS_OF_WORKGROUP} rows)"
+            ),
+            format!(
+                "Choose a `resolution` of which a multiple of {} divides the rows, or other `fill_frames`.",
+                ROWS_OF_WORKGROUP * frames
+            ),
+        ));
+    }
+    Ok(frames)
+}
+
+/// Rows of a workgroup of the column pass.
+const ROWS_OF_WORKGROUP: u32 = 8;
+
+/// One of several equal parts of a map's rows.
+#[derive(Clone, Copy)]
+struct Part {
+    index: u32,
+    of: u32,
+}
+
+impl Part {
+    const WHOLE: Self = Self { index: 0, of: 1 };
+}
+
 impl MapPass {
-    fn pass(&self) -> Pass<'_> {
+    fn pass(&self, part: Part) -> Pass<'_> {
+        let [columns, rows] = self.threads;
+        let rows = rows / part.of;
         Pass {
             kernel: &self.kernel,
             groups: &self.groups,
-            size: self.threads,
+            first_row: rows * part.index,
+            size: [columns, rows],
             steps: [1, 1],
         }
     }
 }
 
 impl MapContext<'_> {
-    fn column_pass(&self, resolution: u32) -> Result<MapPass> {
+    fn passes(&self, plan: &MapPlan, storage: &MapStorage) -> Result<Vec<MapPass>> {
+        let own = |pass| self.own_pass(pass, storage);
+        let mut passes: Vec<_> = plan.before.iter().map(own).collect::<Result<_>>()?;
+        passes.push(self.column_pass([storage.resolution, storage.rows])?);
+        for pass in &plan.after {
+            passes.push(own(pass)?);
+        }
+        Ok(passes)
+    }
+
+    fn column_pass(&self, texels: [u32; 2]) -> Result<MapPass> {
         let shader = self.setup.method.info().shader;
         let kernel = self.kernel("generate.wgsl", shader, None)?;
-        self.bound(kernel, [resolution; 2], self.inputs.clone())
+        self.bound(kernel, texels, self.inputs.clone())
     }
 
     fn own_pass(&self, pass: &MethodPass, storage: &MapStorage) -> Result<MapPass> {

@@ -19,7 +19,10 @@ const TEXTURE_USAGE: wgpu::TextureUsages = wgpu::TextureUsages::STORAGE_BINDING
 /// The map and the resources beside it, which the map's passes fill.
 pub(super) struct MapStorage {
     pub layout: MapLayout,
+    /// Texels along u, and along v of a rectangle.
     pub resolution: u32,
+    /// Texels along v of all rectangles.
+    pub rows: u32,
     pub memory: Memory,
     pub content: MapContent,
     textures: Vec<NamedTexture>,
@@ -58,11 +61,12 @@ impl MapStorage {
         inputs: &mut Inputs,
     ) -> Result<Self> {
         let resolution = setup.params.int("resolution")?;
+        let rows = setup.map_rows()?;
         let mut textures = Vec::new();
         let content = match format {
             None => {
                 let words = u64::from(plan.layout.column_values());
-                let bytes = 4 * words * u64::from(resolution).pow(2);
+                let bytes = 4 * words * u64::from(resolution) * u64::from(rows);
                 let buffer = buffer(gpu, "light map", bytes)?;
                 offer_buffer(
                     inputs,
@@ -72,7 +76,7 @@ impl MapStorage {
                 MapContent::Words(buffer)
             }
             Some(format) => {
-                let named = map_texture(gpu, plan, format, resolution)?;
+                let named = map_texture(gpu, plan, format, [resolution, rows])?;
                 let content = MapContent::Texture(named.texture.clone(), format);
                 textures.push(named);
                 content
@@ -94,6 +98,7 @@ impl MapStorage {
         Ok(Self {
             layout: plan.layout,
             resolution,
+            rows,
             memory: memory(plan, format, setup)?,
             content,
             textures,
@@ -140,7 +145,7 @@ fn map_texture(
     gpu: &Gpu,
     plan: &MapPlan,
     format: TexelFormat,
-    resolution: u32,
+    [columns, rows]: [u32; 2],
 ) -> Result<NamedTexture> {
     let (names, depth, dimension) = match plan.layout {
         MapLayout::Volume { slices, .. } => (
@@ -157,10 +162,10 @@ fn map_texture(
             wgpu::TextureDimension::D2,
         ),
     };
-    check_limits(gpu, resolution, depth, dimension)?;
+    check_limits(gpu, rows, depth, dimension)?;
     let spec = TextureSpec {
         label: "light map",
-        size: [resolution, resolution, depth],
+        size: [columns, rows, depth],
         levels: plan.levels,
         dimension,
         format: format.texture,

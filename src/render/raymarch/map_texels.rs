@@ -10,8 +10,10 @@ use half::f16;
 /// Values of a light map as its method stored them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapTexels {
-    /// Edge of the square map, texels.
+    /// Edge of a rectangle of the map, texels.
     pub resolution: u32,
+    /// Rectangles, one above the other along v.
+    pub cascades: u32,
     /// Values a texel, of a 3-D texture those of a column of voxels; padding of the format is left out.
     pub values_a_texel: u32,
     /// Values, texel after texel, u fastest.
@@ -19,7 +21,7 @@ pub struct MapTexels {
 }
 
 impl MapTexels {
-    /// The values of texel `(u, v)`, both below `resolution`.
+    /// The values of texel `(u, v)`; `v` counts through all rectangles.
     pub fn texel(&self, [u, v]: [u32; 2]) -> &[f32] {
         let n = self.values_a_texel as usize;
         let start = (v as usize * self.resolution as usize + u as usize) * n;
@@ -32,7 +34,7 @@ impl MapTexels {
     }
 
     pub(super) fn read(gpu: &Gpu, map: &MapStorage) -> Result<Self> {
-        let texels = (map.resolution as usize).pow(2);
+        let texels = map.resolution as usize * map.rows as usize;
         let n = map.layout.column_values() as usize;
         let numbers = map.layout.numbers();
         // `channels` numbers stand side by side; the first `together` of them are values of the column.
@@ -57,6 +59,7 @@ impl MapTexels {
         };
         Ok(Self {
             resolution: map.resolution,
+            cascades: map.rows / map.resolution.max(1),
             values_a_texel: map.layout.column_values(),
             values: (0..texels * n).map(|i| value(i / n, i % n)).collect(),
         })

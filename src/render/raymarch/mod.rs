@@ -176,7 +176,19 @@ impl Renderer {
         sequence: &Rc<dyn DeviceSequence>,
         counting: Counting,
     ) -> Result<PreparedPasses> {
-        PreparedPasses::new(self, view, setup, sequence, counting == Counting::On)
+        let counting = counting == Counting::On;
+        PreparedPasses::new(self, view, view, setup, sequence, counting)
+    }
+
+    /// [`Renderer::prepare_full`] with the light map of another view: that of an earlier frame, where the map is filled
+    /// over several. The picture is that of `view`, at the size of both.
+    pub fn prepare_with_map_of(
+        &self,
+        map_view: &DeviceView,
+        view: &DeviceView,
+        setup: &MethodSetup,
+    ) -> Result<PreparedPasses> {
+        PreparedPasses::new(self, view, map_view, setup, &Frames::full(), false)
     }
 
     /// [`Renderer::prepare`] for pictures of which every pixel is marched, timed.

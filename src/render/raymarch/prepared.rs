@@ -25,8 +25,8 @@ pub struct PreparedPasses {
     pub memory: Memory,
     map: Option<MapPasses>,
     march: Rc<Kernel>,
-    /// Bind groups of the march, for each turn of the sequence.
-    groups: Vec<Vec<wgpu::BindGroup>>,
+    /// Bind groups of the march, for each map that it may read and each turn of the sequence.
+    groups: Vec<Vec<Vec<wgpu::BindGroup>>>,
     outputs: Outputs,
     tiles: Tiles,
     view_steps: u32,
@@ -38,6 +38,7 @@ impl PreparedPasses {
     pub(super) fn new(
         renderer: &Renderer,
         view: &DeviceView,
+        map_view: &DeviceView,
         setup: &MethodSetup,
         sequence: &Rc<dyn DeviceSequence>,
         counting: bool,
@@ -58,8 +59,8 @@ impl PreparedPasses {
             None => None,
             Some(map) => {
                 let (defs, inputs) = (&mut defs, &mut inputs);
-                let map = MapPasses::new(renderer, view, setup, map, defs, inputs, counting)?;
-                memory = map.storage.memory;
+                let map = MapPasses::new(renderer, map_view, setup, map, defs, inputs, counting)?;
+                memory = map.memory();
                 Some(map)
             }
         };
@@ -81,8 +82,15 @@ impl PreparedPasses {
         offer_counts(&mut inputs, march_counts.as_ref());
         let first_tile = f64::from(image[0]) * f64::from(FIRST_TILE_ROWS);
         let tiles = Tiles::new(gpu, &mut inputs, renderer.tiling, first_tile);
-        let bind = |into| march.bind(gpu, &[into, &inputs, &view.inputs, &view.density.inputs]);
-        let groups = outputs.turns().iter().map(bind).collect::<Result<_>>()?;
+        let none = [Inputs::default()];
+        let maps = map.as_ref().map_or(&none[..], MapPasses::inputs);
+        let bind = |map| -> Result<Vec<_>> {
+            let turns = outputs.turns().iter();
+            let scene = [&view.inputs, &view.density.inputs];
+            let bind = |into| march.bind(gpu, &[&[into, &inputs, map][..], &scene].concat());
+            turns.map(bind).collect()
+        };
+        let groups = maps.iter().map(bind).collect::<Result<_>>()?;
         Ok(Self {
             memory,
             map,
@@ -148,7 +156,8 @@ impl PreparedPasses {
     fn pass(&self) -> Pass<'_> {
         Pass {
             kernel: &self.march,
-            groups: &self.groups[self.outputs.turn()],
+            groups: &self.groups[self.map.as_ref().map_or(0, MapPasses::read)][self.outputs.turn()],
+            first_row: 0,
             size: self.outputs.threads(),
             steps: [self.view_steps, self.steps_a_dispatch],
         }
@@ -162,7 +171,7 @@ impl PreparedPasses {
 
     /// Reads back the light map of the last run; `None` for a method without one.
     pub fn map_texels(&self, gpu: &Gpu) -> Result<Option<MapTexels>> {
-        let read = |map: &MapPasses| MapTexels::read(gpu, &map.storage);
+        let read = |map: &MapPasses| MapTexels::read(gpu, map.storage());
         self.map.as_ref().map(read).transpose()
     }
 

@@ -76,6 +76,8 @@ struct Tile {
 pub(super) struct Pass<'a> {
     pub kernel: &'a Kernel,
     pub groups: &'a [wgpu::BindGroup],
+    /// Row of the first thread.
+    pub first_row: u32,
     /// Threads.
     pub size: [u32; 2],
     /// Iterations of the shader's outer loop, and how many of them a dispatch takes.
@@ -152,7 +154,7 @@ impl Tiles {
         let mut step = 0;
         while step < all_steps {
             let end = step.saturating_add(steps);
-            let values = [x, y, width, height, step, end];
+            let values = [x, pass.first_row + y, width, height, step, end];
             let changed = self.written.replace(values) != values;
             let uniform = changed.then(|| (&self.uniform, bytemuck::bytes_of(&values)));
             let threads = [width, height, 1];
