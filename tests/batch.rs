@@ -180,7 +180,7 @@ fn a_full_disk_is_an_error_that_loses_nothing_and_a_resumed_run_completes() {
 
 fn moving() -> tempfile::TempDir {
     workplace(|_, e| {
-        e["flicker"] = json!(["pan", "sun"]);
+        e["flicker"] = json!(["pan", "sun", "dolly"]);
         e["sun_elevation_deg"] = json!(60);
         let step_m = 3f64.sqrt();
         e["methods"] =
@@ -201,7 +201,7 @@ fn flicker_is_zero_for_the_truth_rounding_for_an_exact_method_and_real_without_s
     assert!(output.status.success(), "{}", stderr(&output));
     let report = report(folder.path());
     assert_eq!(error_of(&report, "truth")["rel_rmse"], json!(0.0));
-    for key in ["flicker", "flicker_sun"] {
+    for key in ["flicker", "flicker_sun", "flicker_dolly"] {
         let of = |method| error_of(&report, method)[key].as_f64().unwrap();
         assert_eq!(of("truth"), 0.0, "{key}");
         // In a homogeneous medium any number of steps sums to the same optical depth.
@@ -213,6 +213,7 @@ fn flicker_is_zero_for_the_truth_rounding_for_an_exact_method_and_real_without_s
     assert_eq!(reference["tracks"][1]["frames"], json!(16));
     let step_deg = reference["tracks"][1]["step_deg"].as_f64().unwrap();
     assert!((step_deg * 15.0 - 1.0).abs() < 1e-12, "{step_deg}");
+    assert!(reference["tracks"][2]["step_m"].as_f64().unwrap() > 0.0);
     assert_eq!(reference["view_steps"], json!(64));
     let view_error = reference["view_step_rel_rmse"].as_f64().unwrap();
     assert!(view_error > 0.0 && view_error < 0.1, "{view_error}");

@@ -7,7 +7,7 @@ use occlab::config::{
     schema,
 };
 use occlab::reconstruct::Registry;
-use occlab::scene::{CameraTrack, Container, ImageSize, Scene, SkyModel};
+use occlab::scene::{CameraTrack, Container, ImageSize, Scene, SkyModel, Track};
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value, json};
@@ -31,7 +31,7 @@ fn experiment() -> Value {
     json!({
         "name": "e", "image": [{"width": 16, "height": 9}, {"width": 8, "height": 8}], "runs": 3, "discard": 2,
         "scenes": ["one.json", {"scene": "one.json", "set": {"/march/steps": [4, 8], "/camera/far_m": 9e3}}],
-        "sun_elevation_deg": [60, 12], "flicker": ["pan", "sun"],
+        "sun_elevation_deg": [60, 12], "flicker": ["pan", "sun", "dolly"],
         "reconstruct": ["full", "temporal_2x2"], "ghosting": ["pan", "dolly"],
         "methods": ["none", {"method": "srm", "steps": [6, 10]}, {"method": "bsm", "resolution": 64, "mean": "fitted"}]
     })
@@ -68,8 +68,9 @@ fn is_usable(scene: &Scene) {
         width: 16,
         height: 9,
     };
-    for track in CameraTrack::ALL {
-        let step = track.step_deg(scene, image).or(track.step_m(scene, image));
+    let ghosting = CameraTrack::ALL.map(|t| t.step_deg(scene, image).or(t.step_m(scene, image)));
+    let flicker = Track::ALL.map(|t| t.step_deg(scene, image).or(t.step_m(scene, image)));
+    for step in ghosting.into_iter().chain(flicker.map(|s| s.map(f64::abs))) {
         assert!(
             step.is_some_and(|step| step > 0.0 && step.is_finite()),
             "{step:?}"

@@ -123,6 +123,17 @@ error_numbers! {
         group: Motion,
         from: track,
     }
+    flicker_dolly: Option<f64> {
+        doc: "RMS frame-to-frame change of ΔL / mean L over 16 frames of a camera that moves ahead and to its right by one map \
+            texel a frame (256² texels, square fit); absent where the experiment asks for none",
+        label: "Flicker, dolly",
+        unit: "mean L",
+        format: Number,
+        range: [0.0, INFINITY],
+        better: Lower,
+        group: Motion,
+        from: track,
+    }
     flip_mean: f64 {
         doc: "mean of FLIP, the perceived difference after one tone map fixed from the truth (LDR, 67 pixels a degree; Andersson \
             et al. 2020); 0 to 1",

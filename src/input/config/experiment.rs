@@ -8,8 +8,8 @@
 //!   "flicker": ["pan", "sun"] }
 //! ```
 //!
-//! `flicker` is optional: each cell is rendered again in 16 frames of a camera pan of one pixel a frame, of a sun that
-//! rises by 1°, or of both, and compared with the truth of each frame ([`Track`]).
+//! `flicker` is optional: each cell is rendered again in 16 frames of each movement named, a camera pan of one pixel a
+//! frame, a sun that rises by 1°, a dolly of one texel a frame, and compared with the truth of each frame ([`Track`]).
 //!
 //! `"decompose": true` is optional too: each cell's error is split into model, sampling and precision with f64 pictures
 //! that the oracle renders after the timed rounds.

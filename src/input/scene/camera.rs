@@ -61,6 +61,13 @@ impl Camera {
         (right, right.cross(forward), forward)
     }
 
+    /// Moves the camera and keeps its direction.
+    pub(super) fn shift(&mut self, way_m: DVec3) {
+        for point_m in [&mut self.position_m, &mut self.target_m] {
+            *point_m = (DVec3::from(*point_m) + way_m).into();
+        }
+    }
+
     fn forward(&self) -> DVec3 {
         unit(DVec3::from(self.target_m) - DVec3::from(self.position_m))
     }

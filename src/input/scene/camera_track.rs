@@ -1,4 +1,4 @@
-//! Short movements of the camera, along which ghosting is measured.
+//! Short movements of the camera, along which ghosting is measured. For flicker: [`Track`].
 
 use super::{ImageSize, Scene, Track};
 use glam::DVec3;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A movement of the camera in [`Track::FRAMES`] frames; the first frame is the scene as it is.
 ///
 /// On a pan what is seen moves alike at every distance, so that depth plays no part in where it was. On a dolly near cloud
-/// moves more than far cloud, and uncovers it.
+/// moves more than far cloud, and uncovers it. This dolly goes by pixels, [`Track::Dolly`] by texels of a map.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
 )]
@@ -36,7 +36,7 @@ impl CameraTrack {
     /// Turn of the camera from one frame to the next, degrees; `None` where it does not turn.
     pub fn step_deg(self, scene: &Scene, image: ImageSize) -> Option<f64> {
         match self {
-            Self::Pan => Some(Track::Pan.step_deg(scene, image)),
+            Self::Pan => Track::Pan.step_deg(scene, image),
             Self::Dolly => None,
         }
     }
@@ -57,10 +57,7 @@ impl CameraTrack {
         let mut moved = scene.clone();
         let (right, ..) = scene.camera.basis();
         let way_m = right * (f64::from(frame) * dolly_step_m(scene, image));
-        let camera = &mut moved.camera;
-        for point_m in [&mut camera.position_m, &mut camera.target_m] {
-            *point_m = (DVec3::from(*point_m) + way_m).into();
-        }
+        moved.camera.shift(way_m);
         moved
     }
 }

@@ -32,6 +32,7 @@ pub(super) fn tracks(task: &Task, matrix: &MatrixView) -> Vec<TrackRecord> {
         track: *track,
         frames: Track::FRAMES,
         step_deg: track.step_deg(&matrix.scene, matrix.image),
+        step_m: track.step_m(&matrix.scene, matrix.image),
     };
     task.experiment.flicker.iter().map(record).collect()
 }
@@ -188,6 +189,7 @@ fn number(error: &mut ErrorNumbers, track: Track) -> &mut Option<f64> {
     match track {
         Track::Pan => &mut error.flicker,
         Track::Sun => &mut error.flicker_sun,
+        Track::Dolly => &mut error.flicker_dolly,
     }
 }
 

@@ -127,12 +127,18 @@ pub struct Reference {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrackRecord {
-    /// What moves: `pan` gives `error.flicker`, `sun` gives `error.flicker_sun`.
+    /// What moves: `pan` gives `error.flicker`, `sun` gives `error.flicker_sun`,
+    /// `dolly` gives `error.flicker_dolly`.
     pub track: Track,
     /// Frames, the view's own included.
     pub frames: u32,
-    /// Turn of the camera (one pixel of the picture's centre) or change of the sun's elevation a frame, degrees.
-    pub step_deg: f64,
+    /// Turn of the camera (one pixel of the picture's centre) or change of the sun's elevation a frame, degrees; absent
+    /// on a dolly.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_deg: Option<f64>,
+    /// Way of the camera a frame, one texel of the map of 256² texels in the `square` fit, metres; absent where it stays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_m: Option<f64>,
 }
 
 /// One cell of the matrix: a scene rendered by a method at one setting.

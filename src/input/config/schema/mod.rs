@@ -65,7 +65,7 @@ fn experiment(known: &[&ReconstructionInfo]) -> Value {
             "scenes": described(one_or_many(json!({"$ref": "#/$defs/SceneEntry"})), "Scenes, relative to this file."),
             "sun_elevation_deg": described(one_or_many(elevation), "Replaces /sun/elevation_deg of every scene, degrees."),
             "view_steps": described(one_or_many(steps), "Replaces /march/steps of every scene."),
-            "flicker": described(one_or_many(json!({"$ref": "#/$defs/Track"})), "Measure flicker along these movements of 16 frames: `pan`, the camera turns by one pixel of the picture's centre a frame; `sun`, the sun rises by 1° in all. Each frame has its own truth, so this costs 15 truths a movement and view. Absent: none."),
+            "flicker": described(one_or_many(json!({"$ref": "#/$defs/Track"})), "Measure flicker along these movements of 16 frames: `pan`, the camera turns by one pixel of the picture's centre a frame; `sun`, the sun rises by 1° in all; `dolly`, the camera moves ahead and to its right by one texel a frame, of the map of 256² texels in the `square` fit. Each frame has its own truth, so this costs 15 truths a movement and view. Absent: none."),
             "decompose": {"type": "boolean", "default": false, "description": "Split each cell's error into model, sampling and precision: the f64 oracle renders the truth, and each cell twice (at its own and at ample steps and texels), after the timed rounds."},
             "methods": described(one_or_many(json!({"$ref": "#/$defs/Method"})), "Methods and their parameters."),
             "reconstruct": described(one_or_many(json!({"$ref": format!("#/$defs/{}", reconstructions::DEFINITION)})), &reconstructions::description(known)),

@@ -76,8 +76,8 @@ fn bad_experiment_members_are_located() {
         &["(at /ghosting)", "every cell is `full`", "temporal_2x2"],
     );
     has(
-        &error("flicker", "\"dolly\""),
-        &["(at /flicker)", "`pan`", "`sun`"],
+        &error("flicker", "\"roll\""),
+        &["(at /flicker)", "`pan`", "`sun`", "`dolly`"],
     );
     has(&error("image", "[]"), &["(at /image)", "empty"]);
     has(
