@@ -1,4 +1,4 @@
-//! Flicker over a sequence of frames.
+//! Flicker over a sequence of frames, and the error over all of them.
 
 use super::{delta_rgb, mean_sun};
 use crate::error::{Error, Result};
@@ -20,13 +20,23 @@ pub struct Flicker {
     /// Sum of mean L.
     light: f64,
     frames: u32,
+    /// ΣΔ² of all frames.
+    squared_error: f64,
+    /// ΣL² of the truths of all frames, over the same channels.
+    squared_reference: f64,
 }
 
 impl Flicker {
     /// Adds the next frame and its truth.
     pub fn add(&mut self, truth: &Frame, test: &Frame) -> Result<()> {
         let mean = mean_sun(truth)?;
-        self.add_delta(delta_rgb(truth, test)?, mean)
+        let delta = delta_rgb(truth, test)?;
+        let channels = truth.sun.iter().flat_map(|[r, g, b, _]| [r, g, b]);
+        for (delta, value) in delta.iter().zip(channels).filter(|(d, _)| !d.is_nan()) {
+            self.squared_error += f64::from(*delta).powi(2);
+            self.squared_reference += f64::from(*value).powi(2);
+        }
+        self.add_delta(delta, mean)
     }
 
     fn add_delta(&mut self, delta: Vec<f32>, mean: f64) -> Result<()> {
@@ -57,6 +67,14 @@ impl Flicker {
         let mean = self.light / f64::from(self.frames);
         Ok((self.squared / self.changes as f64).sqrt() / mean)
     }
+
+    /// √(ΣΔ² / ΣL²) over all frames: `rel_rmse` of the sequence; an [`Error::Input`] when no pixel shows sun-lit cloud.
+    pub fn rel_rmse(&self) -> Result<f64> {
+        match self.squared_reference > 0.0 {
+            true => Ok((self.squared_error / self.squared_reference).sqrt()),
+            false => refuse("no pixel shows sun-lit cloud"),
+        }
+    }
 }
 
 fn refuse<T>(problem: &str) -> Result<T> {
@@ -66,6 +84,7 @@ fn refuse<T>(problem: &str) -> Result<T> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::compare;
     use super::super::testing::{cloud, uniform};
     use super::*;
 
@@ -103,6 +122,21 @@ mod tests {
             "a changing scene is no flicker"
         );
         assert_eq!(stays.value().unwrap(), 1.0, "an error of ±0.25 over 0.5 is");
+    }
+
+    #[test]
+    fn the_error_of_a_sequence_is_that_of_its_frames() {
+        let (truth, test) = (cloud(4, 4), uniform(4, 4, 0.3));
+        let one = compare(&truth, &test).unwrap().error.rel_rmse;
+        let mut flicker = Flicker::default();
+        for _ in 0..3 {
+            flicker.add(&truth, &test).unwrap();
+        }
+        assert!((flicker.rel_rmse().unwrap() - one).abs() < 1e-6);
+        flicker.add(&truth, &truth).unwrap();
+        let diluted = one * (0.75_f64).sqrt();
+        assert!((flicker.rel_rmse().unwrap() - diluted).abs() < 1e-6);
+        assert!(Flicker::default().rel_rmse().is_err());
     }
 
     #[test]

@@ -134,6 +134,39 @@ error_numbers! {
         group: Motion,
         from: track,
     }
+    rel_rmse_pan: Option<f64> {
+        doc: "rel_rmse over all 16 frames of the camera pan: with a map that is filled over several frames, the error of its age too; \
+            absent where the experiment asks for none",
+        label: "rel_rmse, pan",
+        unit: "",
+        format: Number,
+        range: [0.0, INFINITY],
+        better: Lower,
+        group: Motion,
+        from: track,
+    }
+    rel_rmse_sun: Option<f64> {
+        doc: "rel_rmse over all 16 frames of the moving sun: with a map that is filled over several frames, the error of its age too; \
+            absent where the experiment asks for none",
+        label: "rel_rmse, sun",
+        unit: "",
+        format: Number,
+        range: [0.0, INFINITY],
+        better: Lower,
+        group: Motion,
+        from: track,
+    }
+    rel_rmse_dolly: Option<f64> {
+        doc: "rel_rmse over all 16 frames of the dolly: with a map that is filled over several frames, the error of its age too; \
+            absent where the experiment asks for none",
+        label: "rel_rmse, dolly",
+        unit: "",
+        format: Number,
+        range: [0.0, INFINITY],
+        better: Lower,
+        group: Motion,
+        from: track,
+    }
     flip_mean: f64 {
         doc: "mean of FLIP, the perceived difference after one tone map fixed from the truth (LDR, 67 pixels a degree; Andersson \
             et al. 2020); 0 to 1",

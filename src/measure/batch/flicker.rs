@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::metrics::{ErrorNumbers, Flicker};
 use crate::occlusion::MethodSetup;
 use crate::progress::unwatched;
-use crate::scene::Track;
+use crate::scene::{Scene, Track};
 use crate::truth::Truth;
 
 /// A cell during a movement: its number so far, or why it has none.
@@ -71,7 +71,7 @@ fn open_case(
     let open = cell
         .result
         .as_mut()
-        .is_some_and(|result| number(&mut result.error, track).is_none() && !noted(result));
+        .is_some_and(|result| numbers(&mut result.error, track).0.is_none() && !noted(result));
     Ok(if open {
         Some(FlickerCell {
             cell,
@@ -104,7 +104,14 @@ fn run_track(
             Ok((truth, view)) => {
                 passes_s += truth.passes_s;
                 for case in &mut *cases {
-                    passes_s += run_case(task, &view, &truth, case)?;
+                    let begun = map_frame(frame, case.setup.fill_frames());
+                    let moment = Moment {
+                        view: &view,
+                        truth: &truth,
+                        map_scene: (begun < frame)
+                            .then(|| track.scene(&matrix.scene, matrix.image, begun)),
+                    };
+                    passes_s += run_case(task, &moment, case)?;
                 }
             }
             Err(error) if error.concerns_one_cell() => {
@@ -135,13 +142,31 @@ fn frame_truth(
     Ok(truth)
 }
 
+/// A frame of a movement.
+struct Moment<'a> {
+    view: &'a View,
+    truth: &'a Truth,
+    /// The scene of the earlier frame whose light map is read; `None` = of this one.
+    map_scene: Option<Scene>,
+}
+
 /// One frame of one case; returns the seconds of its passes.
-fn run_case(task: &Task, view: &View, truth: &Truth, case: &mut FlickerCell) -> Result<f64> {
+fn run_case(task: &Task, moment: &Moment, case: &mut FlickerCell) -> Result<f64> {
     let Ok(flicker) = &mut case.flicker else {
         return Ok(0.0);
     };
     let mut add = || -> Result<f64> {
-        let prepared = task.backend.prepare_full(view, &case.setup)?;
+        let Moment { view, truth, .. } = moment;
+        let map_scene = moment.map_scene.as_ref();
+        let earlier = map_scene.map(|scene| task.backend.view(scene, view.image));
+        let earlier = earlier.transpose()?;
+        let prepared = match &earlier {
+            None => task.backend.prepare_full(view, &case.setup)?,
+            Some(earlier) => {
+                let backend = task.backend;
+                backend.prepare_with_map_of(earlier, view, &case.setup)?
+            }
+        };
         let times = prepared.run(&mut unwatched)?;
         flicker.add(&truth.frame, &prepared.picture()?)?;
         Ok(times.wall * 1e-3)
@@ -166,12 +191,17 @@ fn record(
     let FlickerCell {
         mut cell, flicker, ..
     } = case;
-    let value = flicker.and_then(|f| f.value().map_err(|e: Error| e.to_string()));
+    let text = |e: Error| e.to_string();
+    let both = |f: Flicker| Ok((f.value().map_err(text)?, f.rel_rmse().map_err(text)?));
+    let value = flicker.and_then(both);
     let Some(result) = &mut cell.result else {
         return Ok(());
     };
     match value {
-        Ok(value) => *number(&mut result.error, track) = Some(value),
+        Ok((flicker, rel_rmse)) => {
+            let numbers = numbers(&mut result.error, track);
+            (*numbers.0, *numbers.1) = (Some(flicker), Some(rel_rmse));
+        }
         Err(reason) => {
             let note = note(track, &reason);
             tell(
@@ -184,15 +214,34 @@ fn record(
     task.put_cell(matrix, &cell)
 }
 
-/// The number that a movement gives.
-fn number(error: &mut ErrorNumbers, track: Track) -> &mut Option<f64> {
+/// The numbers that a movement gives: flicker, and the error over all frames.
+fn numbers(error: &mut ErrorNumbers, track: Track) -> (&mut Option<f64>, &mut Option<f64>) {
     match track {
-        Track::Pan => &mut error.flicker,
-        Track::Sun => &mut error.flicker_sun,
-        Track::Dolly => &mut error.flicker_dolly,
+        Track::Pan => (&mut error.flicker, &mut error.rel_rmse_pan),
+        Track::Sun => (&mut error.flicker_sun, &mut error.rel_rmse_sun),
+        Track::Dolly => (&mut error.flicker_dolly, &mut error.rel_rmse_dolly),
     }
+}
+
+/// Frame whose light map is read in a frame of a movement, where a map is filled over `fill_frames` frames: the one in
+/// which the last complete map was begun, never before the first, ahead of which the scene rested.
+fn map_frame(frame: u32, fill_frames: u32) -> u32 {
+    fill_frames * ((frame + 1) / fill_frames).saturating_sub(1)
 }
 
 fn note(track: Track, reason: &str) -> String {
     format!("flicker, {}: {reason}", track.name())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::map_frame;
+
+    #[test]
+    fn a_map_is_read_from_the_frame_that_completes_it_until_the_next_is_complete() {
+        let begun = |fill_frames| (0..8).map(move |frame| map_frame(frame, fill_frames));
+        assert!(begun(1).eq(0..8));
+        assert!(begun(2).eq([0, 0, 0, 2, 2, 4, 4, 6]));
+        assert!(begun(4).eq([0, 0, 0, 0, 0, 0, 0, 4]));
+    }
 }

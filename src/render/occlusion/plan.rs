@@ -14,7 +14,7 @@
 
 use super::MethodSetup;
 use super::rounding::FloatFormat;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::WARP_PARTS;
 use crate::shader_defs::Defs;
 
@@ -253,7 +253,32 @@ pub fn texels(size: [u32; 3], levels: u32) -> u64 {
     (0..levels.max(1)).map(level).fold(0, u64::saturating_add)
 }
 
+/// Rows of a workgroup of the column pass.
+const ROWS_OF_WORKGROUP: u32 = 8;
+
 impl MethodSetup {
+    /// Equal parts in which the map of `plan` is filled, one a frame; an error where its rows do not split evenly, or
+    /// where the method has passes of its own, which need the whole map.
+    pub fn fill_parts(&self, plan: &MapPlan) -> Result<u32> {
+        let (frames, rows) = (self.fill_frames(), self.map_rows()?);
+        let place = || format!("method `{}`, fill_frames {frames}", self.method.info().id);
+        if frames > 1 && !(plan.before.is_empty() && plan.after.is_empty()) {
+            let problem = "it has passes that need the whole map";
+            return Err(Error::input(place(), problem, "Choose `fill_frames` 1."));
+        }
+        let whole = ROWS_OF_WORKGROUP.saturating_mul(frames);
+        if frames > 1 && !rows.is_multiple_of(whole) {
+            let problem = format!(
+                "a map of {rows} rows has no {frames} equal parts of whole workgroups, {ROWS_OF_WORKGROUP} rows each"
+            );
+            let remedy = format!(
+                "Choose a `resolution` with a multiple of {whole} rows, or other `fill_frames`."
+            );
+            return Err(Error::input(place(), problem, remedy));
+        }
+        Ok(frames)
+    }
+
     /// Number format of stored values; `None` without a map.
     pub fn stored_format(&self) -> Result<Option<FloatFormat>> {
         let Some(map) = self.method.plan(&self.params)?.map else {

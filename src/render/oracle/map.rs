@@ -87,6 +87,9 @@ impl LightMap {
         let Oracle { scene, image, .. } = oracle;
         let resolution = setup.params.int("resolution")?;
         let plan = setup.method.plan(&setup.params)?;
+        if let Some(map) = &plan.map {
+            setup.fill_parts(map)?;
+        }
         let values = plan.map_values().unwrap_or_default();
         let samples =
             u64::from(image.width) * u64::from(image.height) * u64::from(scene.march.most_steps());

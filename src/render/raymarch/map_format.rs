@@ -233,7 +233,7 @@ pub(super) fn memory(
         bytes.map(|r| r.kind.bytes()).sum()
     };
     let (kept, temporary_bytes) = (beside(false) + table_bytes, beside(true));
-    let maps = maps_of(setup.fill_frames());
+    let maps = maps_of(setup.fill_parts(plan)?);
     Ok(Memory {
         payload_bytes: maps * (bytes(values) + kept),
         map_bytes: maps * (bytes(stored_values) + kept) + temporary_bytes,

@@ -77,7 +77,7 @@ impl MapPasses {
         counting: bool,
     ) -> Result<Self> {
         let gpu = &renderer.gpu;
-        let fill_frames = fill_frames(setup, plan)?;
+        let fill_frames = setup.fill_parts(plan)?;
         let format = TexelFormat::choose(setup, plan.layout, |format| usable(gpu, format))?;
         defs.extend(self::defs(plan.layout, format));
         let resolution = setup.params.int("resolution")?;
@@ -195,41 +195,6 @@ pub(super) fn maps_of(fill_frames: u32) -> u64 {
         _ => 2,
     }
 }
-
-/// Frames over which a map is filled; an error where its rows do not split evenly, or where its method has passes of its
-/// own, which need the whole map.
-fn fill_frames(setup: &MethodSetup, plan: &MapPlan) -> Result<u32> {
-    let (frames, rows) = (setup.fill_frames(), setup.map_rows()?);
-    let id = setup.method.info().id;
-    if frames == 1 {
-        return Ok(1);
-    }
-    if !plan.before.is_empty() || !plan.after.is_empty() {
-        return Err(Error::input(
-            format!("method `{id}`"),
-            format!(
-                "its map cannot be filled over {frames} frames: it has passes that need the whole map"
-            ),
-            "Choose `fill_frames` 1.",
-        ));
-    }
-    if !rows.is_multiple_of(ROWS_OF_WORKGROUP * frames) {
-        return Err(Error::input(
-            format!("method `{id}`"),
-            format!(
-                "a map of {rows} rows cannot be filled in {frames} equal parts of whole workgroups ({ROWS_OF_WORKGROUP} rows)"
-            ),
-            format!(
-                "Choose a `resolution` of which a multiple of {} divides the rows, or other `fill_frames`.",
-                ROWS_OF_WORKGROUP * frames
-            ),
-        ));
-    }
-    Ok(frames)
-}
-
-/// Rows of a workgroup of the column pass.
-const ROWS_OF_WORKGROUP: u32 = 8;
 
 /// One of several equal parts of a map's rows.
 #[derive(Clone, Copy)]
