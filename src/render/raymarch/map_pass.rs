@@ -17,6 +17,8 @@ use std::rc::Rc;
 /// A light map and the passes that fill it.
 pub(super) struct MapPasses {
     pub storage: MapStorage,
+    /// Where its texels lie.
+    pub rectangle: MapRectangle,
     /// In order of execution.
     passes: Vec<MapPass>,
 }
@@ -75,7 +77,11 @@ impl MapPasses {
         let mut passes = own(&plan.before)?;
         passes.push(around.column_pass(storage.resolution)?);
         passes.extend(own(&plan.after)?);
-        Ok(Self { storage, passes })
+        Ok(Self {
+            storage,
+            rectangle,
+            passes,
+        })
     }
 
     /// Fills the map, tile by tile; returns the GPU time of all passes.

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::frame::is_nonfinite;
 use crate::gpu::{Gpu, read_buffer, read_texture};
 use crate::occlusion::plan::{MapLayout, MapNumbers};
+use crate::scene::MapRectangle;
 use half::f16;
 
 /// Values of a light map as its method stored them.
@@ -16,6 +17,8 @@ pub struct MapTexels {
     pub values_a_texel: u32,
     /// Values, texel after texel, u fastest.
     pub values: Vec<f32>,
+    /// Where the texels lie in the plane perpendicular to the sun.
+    pub rectangle: MapRectangle,
 }
 
 impl MapTexels {
@@ -31,7 +34,7 @@ impl MapTexels {
         self.values.iter().filter(|v| is_nonfinite(**v)).count() as u64
     }
 
-    pub(super) fn read(gpu: &Gpu, map: &MapStorage) -> Result<Self> {
+    pub(super) fn read(gpu: &Gpu, map: &MapStorage, rectangle: &MapRectangle) -> Result<Self> {
         let texels = (map.resolution as usize).pow(2);
         let n = map.layout.column_values() as usize;
         let numbers = map.layout.numbers();
@@ -59,6 +62,7 @@ impl MapTexels {
             resolution: map.resolution,
             values_a_texel: map.layout.column_values(),
             values: (0..texels * n).map(|i| value(i / n, i % n)).collect(),
+            rectangle: rectangle.clone(),
         })
     }
 }
