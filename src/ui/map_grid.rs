@@ -17,8 +17,10 @@ pub enum Shape {
     Plane,
 }
 
-/// Lines along an axis across which this many parts of the map are counted, about.
+/// Texels of a map in the plane are counted in this many parts along an axis.
 const PARTS: u32 = 16;
+/// Most lines at equal distances along the longer axis.
+const MOST_LINES: u32 = 25;
 
 impl Shape {
     /// Both.
@@ -96,7 +98,7 @@ impl Shape {
             }
             Self::Stored => {
                 let larger_m = map.extent_m[0].max(map.extent_m[1]);
-                let step_m = round_step(larger_m / f64::from(PARTS));
+                let step_m = round_step(larger_m / f64::from(MOST_LINES));
                 let lines = [0, 1].map(|axis| multiples(map, axis, step_m));
                 (lines, format!("lines every {}", length(step_m)))
             }
@@ -126,7 +128,7 @@ fn multiples(map: &MapRectangle, axis: usize, step_m: f64) -> Vec<f64> {
     let (origin_m, extent_m) = (map.origin_m[axis], map.extent_m[axis]);
     let first_m = (origin_m / step_m).ceil() * step_m;
     let positions =
-        (0..=2 * PARTS).map(|i| (first_m + f64::from(i) * step_m - origin_m) / extent_m);
+        (0..=MOST_LINES).map(|i| (first_m + f64::from(i) * step_m - origin_m) / extent_m);
     let inside = positions.filter(|position| (0.0..=1.0).contains(position));
     let line = |position: f64| {
         let position = [position; 2];
