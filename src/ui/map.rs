@@ -2,22 +2,40 @@
 
 use super::app::{App, Slot};
 use super::lower;
+use super::map_grid::{Shape, metres, texel_m};
 use super::probe;
 use super::view::colour_bar;
 use crate::frame::{FALSE_COLOUR_STOPS, false_colour, is_nonfinite};
 use crate::live::Where;
 use crate::occlusion::MethodSetup;
 use crate::raymarch::MapTexels;
-use eframe::egui::{self, Color32, Rect, Role, Sense, pos2, vec2};
+use eframe::egui::{self, Color32, Rect, Role, Sense, vec2};
 use std::sync::Arc;
 
 /// State of the viewer.
-#[derive(Default)]
 pub struct MapView {
     /// The value of a texel that is shown.
     value: usize,
+    /// Which of several rectangles is shown, the nearest first.
+    cascade: usize,
     colours: Colours,
+    shape: Shape,
+    /// Draw the lines of the shape over the map.
+    grid: bool,
     painted: Option<Painted>,
+}
+
+impl Default for MapView {
+    fn default() -> Self {
+        Self {
+            value: 0,
+            cascade: 0,
+            colours: Colours::default(),
+            shape: Shape::default(),
+            grid: true,
+            painted: None,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,6 +49,7 @@ enum Colours {
 struct Painted {
     texels: Arc<MapTexels>,
     value: usize,
+    cascade: usize,
     colours: Colours,
     /// Least and largest finite value.
     range: Option<[f32; 2]>,
@@ -43,6 +62,11 @@ const GREYS: [(f32, [u8; 3]); 2] = [(-1.0, [0; 3]), (1.0, [255; 3])];
 const LARGEST: u32 = 2048;
 /// Width of the colour bar, and height with its numbers, points.
 const SCALE: [f32; 2] = [260.0, 32.0];
+/// Lines over the map: seen on grey and on the false colours.
+const LINES: egui::Stroke = egui::Stroke {
+    width: 1.0,
+    color: Color32::from_rgba_premultiplied(0, 130, 50, 160),
+};
 
 /// Draws the panel.
 pub fn draw(app: &mut App, ui: &mut egui::Ui) {
@@ -96,10 +120,26 @@ fn choices(view: &mut MapView, ui: &mut egui::Ui, setup: &MethodSetup, texels: &
         .response
         .labelled_by(label.id)
         .on_hover_text("Which of the values of a texel");
+    let cascades = texels.rectangles.len();
+    view.cascade = view.cascade.min(cascades.saturating_sub(1));
+    if cascades > 1 {
+        for i in 0..cascades {
+            ui.selectable_value(&mut view.cascade, i, format!("Cascade {}", i + 1))
+                .on_hover_text("1 is the rectangle nearest to the camera");
+        }
+        ui.separator();
+    }
     ui.selectable_value(&mut view.colours, Colours::Grey, "Grey")
         .on_hover_text("Black is the least finite value, white the largest");
     ui.selectable_value(&mut view.colours, Colours::False, "False colour")
         .on_hover_text("Blue is the least finite value, red the largest");
+    ui.separator();
+    for shape in Shape::ALL {
+        ui.selectable_value(&mut view.shape, shape, shape.name())
+            .on_hover_text(shape.explained());
+    }
+    ui.checkbox(&mut view.grid, "Texel grid")
+        .on_hover_text("Lines that show where texels are small");
 }
 
 /// Names of the values of a texel; numbers for those that the method does not name.
@@ -114,18 +154,20 @@ impl MapView {
     /// Makes the texture if it would differ from the one there is.
     fn paint(&mut self, ctx: &egui::Context, texels: &Arc<MapTexels>, value: usize) {
         let same = |p: &Painted| {
-            Arc::ptr_eq(&p.texels, texels) && p.value == value && p.colours == self.colours
+            Arc::ptr_eq(&p.texels, texels)
+                && (p.value, p.cascade, p.colours) == (value, self.cascade, self.colours)
         };
         if self.painted.as_ref().is_some_and(same) {
             return;
         }
         let largest = LARGEST.min(ctx.input(|i| i.max_texture_side) as u32);
         let range = range(texels, value);
-        let image = image(texels, value, range, self.colours, largest);
+        let image = image(texels, [self.cascade, value], range, self.colours, largest);
         let options = egui::TextureOptions::NEAREST;
         self.painted = Some(Painted {
             texels: texels.clone(),
             value,
+            cascade: self.cascade,
             colours: self.colours,
             range,
             texture: ctx.load_texture("light map", image, options),
@@ -145,10 +187,10 @@ fn range(texels: &MapTexels, value: usize) -> Option<[f32; 2]> {
     })
 }
 
-/// The map at an edge of `largest` pixels or less, v downward; magenta where a value is not finite.
+/// One value of a cascade at an edge of `largest` pixels or less, v downward; magenta where a value is not finite.
 fn image(
     texels: &MapTexels,
-    value: usize,
+    [cascade, value]: [usize; 2],
     range: Option<[f32; 2]>,
     colours: Colours,
     largest: u32,
@@ -166,7 +208,8 @@ fn image(
             0.0
         }
     };
-    let texel = |i: u32| texels.texel([i % edge * step, i / edge * step])[value];
+    let first = cascade as u32 * texels.resolution;
+    let texel = |i: u32| texels.texel([i % edge * step, first + i / edge * step])[value];
     let positions: Vec<f32> = (0..edge * edge).map(|i| position(texel(i))).collect();
     let mut pixels = false_colour(edge, edge, &positions, 1.0);
     if colours == Colours::Grey {
@@ -186,51 +229,78 @@ fn picture(app: &mut App, ui: &mut egui::Ui, setup: &MethodSetup) {
     };
     let area = ui.available_rect_before_wrap();
     ui.allocate_rect(area, Sense::hover());
-    let edge = area.width().min(area.height());
-    let rect = Rect::from_min_size(area.min, vec2(edge, edge));
+    let map = &painted.texels.rectangles[painted.cascade];
+    let shape = app.map_view.shape;
+    let beside = match shape {
+        Shape::Stored => 0.0,
+        Shape::Plane => (SCALE[0] + 8.0).min(area.width() / 2.0),
+    };
+    let room = area.size() - vec2(beside, 0.0);
+    let rect = Rect::from_min_size(area.min, shape.size(map, room));
     let response = ui.interact(rect, ui.scope_id().with("light map"), Sense::click());
     let name = format!("light map of {}", setup.method.info().id);
     response.widget_info(|| egui::WidgetInfo::labeled(Role::Image, true, &name));
-    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     let painter = ui.painter_at(rect);
-    painter.image(painted.texture.id(), rect, whole, Color32::WHITE);
+    painter.add(shape.mesh(map, painted.texture.id(), rect));
+    let resolution = painted.texels.resolution;
+    let ([across_u, across_v], lines) = shape.lines(map, resolution);
+    if app.map_view.grid {
+        for u in across_u {
+            painter.vline(rect.left() + rect.width() * u as f32, rect.y_range(), LINES);
+        }
+        for v in across_v {
+            painter.hline(rect.x_range(), rect.top() + rect.height() * v as f32, LINES);
+        }
+    }
     if response.has_focus() {
         let stroke = ui.visuals().selection.stroke;
         painter.rect_stroke(rect, 0.0, stroke, egui::StrokeKind::Inside);
     }
-    let resolution = painted.texels.resolution;
     let pointed = response.hover_pos().or(response.interact_pointer_pos());
-    let texel = texel_at(pointed.unwrap_or(rect.center()), rect, resolution);
+    let share = (pointed.unwrap_or(rect.center()) - rect.min) / rect.size();
+    let uv = shape.uv(map, [share.x, share.y].map(f64::from));
+    let texel = texel_at(uv, resolution);
     let builder = egui::UiBuilder::new()
         .id_salt("about the map")
         .max_rect(area.with_min_x((rect.right() + 8.0).min(area.right())));
     let mut beside = ui.new_child(builder);
     beside.shrink_clip_rect(area);
-    about(&mut beside, painted, pointed.map(|_| texel));
+    let lines = app.map_view.grid.then_some(lines);
+    about(&mut beside, painted, lines, pointed.map(|_| texel));
     if response.clicked() {
         let middle = texel.map(|i| (f64::from(i) + 0.5) / f64::from(resolution));
+        // The probe counts in the whole rectangle, which is the last one.
+        let whole = painted.texels.rectangles.last();
+        let middle = whole.and_then(|whole| whole.uv(map.column_origin(middle)));
         // A method whose map is shown has the parameters of maps.
-        if let Ok(fit) = setup.map_fit() {
+        if let Some((middle, fit)) = middle.zip(setup.map_fit().ok()) {
             probe::ask(app, Where::Column(middle, resolution, fit));
         }
     }
 }
 
-fn texel_at(at: egui::Pos2, rect: Rect, resolution: u32) -> [u32; 2] {
-    let share = (at - rect.min) / rect.size();
-    [share.x, share.y].map(|s| {
-        let index = (f64::from(s) * f64::from(resolution)).max(0.0) as u32;
+fn texel_at(uv: [f64; 2], resolution: u32) -> [u32; 2] {
+    uv.map(|s| {
+        let index = (s * f64::from(resolution)).max(0.0) as u32;
         index.min(resolution.saturating_sub(1))
     })
 }
 
-fn about(ui: &mut egui::Ui, painted: &Painted, texel: Option<[u32; 2]>) {
+fn about(ui: &mut egui::Ui, painted: &Painted, lines: Option<String>, texel: Option<[u32; 2]>) {
     let texels = &painted.texels;
     let edge = texels.resolution;
     ui.label(format!(
         "{edge} × {edge} texels of {} values",
         texels.values_a_texel
     ));
+    let map = &texels.rectangles[painted.cascade];
+    if map.depth_m > 0.0 {
+        let [u, v] = map.extent_m.map(metres);
+        ui.label(format!("{u} × {v}, perpendicular to the sun"));
+    }
+    if let Some(lines) = lines {
+        ui.label(lines);
+    }
     let lost = texels.nonfinite();
     if lost > 0 {
         ui.colored_label(
@@ -252,8 +322,10 @@ fn about(ui: &mut egui::Ui, painted: &Painted, texel: Option<[u32; 2]>) {
     }
     match texel {
         Some([u, v]) => {
-            let value = texels.texel([u, v])[painted.value];
-            ui.label(format!("texel {u}, {v}: {}", number(value)));
+            let first = painted.cascade as u32 * edge;
+            let value = texels.texel([u, first + v])[painted.value];
+            let [u_m, v_m] = texel_m(map, [u, v], edge).map(metres);
+            ui.label(format!("texel {u}, {v}, {u_m} × {v_m}: {}", number(value)));
         }
         None => {
             ui.label("Point at a texel to read it, click it to probe its column.");
@@ -273,12 +345,22 @@ fn number(value: f32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::MapRectangle;
+    use glam::DVec3;
 
     fn texels() -> MapTexels {
         MapTexels {
             resolution: 2,
             values_a_texel: 2,
             values: vec![9.0, 1.0, 9.0, 3.0, 9.0, f32::NAN, 9.0, 2.0],
+            rectangles: vec![MapRectangle {
+                u_axis: DVec3::X,
+                v_axis: DVec3::Z,
+                origin_m: [0.0; 2],
+                extent_m: [1.0; 2],
+                depth_m: 1.0,
+                warp: None,
+            }],
         }
     }
 
@@ -286,7 +368,7 @@ mod tests {
     fn values_span_the_colours_and_what_is_not_finite_is_magenta() {
         let texels = texels();
         assert_eq!(range(&texels, 1), Some([1.0, 3.0]));
-        let of = |colours| image(&texels, 1, range(&texels, 1), colours, 2048).pixels;
+        let of = |colours| image(&texels, [0, 1], range(&texels, 1), colours, 2048).pixels;
         let grey = [
             Color32::BLACK,
             Color32::WHITE,
@@ -295,9 +377,9 @@ mod tests {
         assert_eq!(of(Colours::Grey)[..3], grey);
         assert_eq!(of(Colours::False)[0], Color32::from_rgb(5, 48, 97));
         assert_eq!(of(Colours::False)[3], Color32::WHITE);
-        let small = image(&texels, 1, None, Colours::Grey, 1);
+        let small = image(&texels, [0, 1], None, Colours::Grey, 1);
         assert_eq!(small.size, [1, 1]);
-        let level = image(&texels, 0, range(&texels, 0), Colours::Grey, 2048);
+        let level = image(&texels, [0, 0], range(&texels, 0), Colours::Grey, 2048);
         assert_eq!(level.pixels[0], Color32::from_rgb(128, 128, 128));
     }
 
@@ -313,8 +395,7 @@ mod tests {
 
     #[test]
     fn texels_are_those_under_the_pointer() {
-        let rect = Rect::from_min_size(pos2(4.0, 4.0), vec2(100.0, 100.0));
-        assert_eq!(texel_at(pos2(4.0, 103.9), rect, 512), [0, 511]);
-        assert_eq!(texel_at(pos2(900.0, -9.0), rect, 512), [511, 0]);
+        assert_eq!(texel_at([0.0, 0.999], 512), [0, 511]);
+        assert_eq!(texel_at([9.0, -0.1], 512), [511, 0]);
     }
 }

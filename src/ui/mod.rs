@@ -14,6 +14,7 @@ mod help;
 mod ink;
 mod lower;
 mod map;
+mod map_grid;
 mod measure;
 mod menu;
 mod outside;

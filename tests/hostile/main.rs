@@ -7,6 +7,7 @@ mod config;
 mod damage;
 mod memory;
 mod names;
+mod numpy;
 mod params;
 mod pictures;
 mod records;

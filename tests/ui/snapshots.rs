@@ -62,13 +62,49 @@ fn the_frame_around_the_picture() {
             shown.push((name, frame(&mut window)));
         }
     }
+    as_stored(&shown);
+}
+
+#[test]
+fn a_warped_map_as_it_is_stored_and_in_the_plane() {
+    needs_adapter!();
+    let mut state = tiny_state();
+    state.scene.sun.elevation_deg = 20.0;
+    state.scene.camera.position_m = [500.0, 800.0, -60.0];
+    state.scene.camera.target_m = [700.0, 700.0, 400.0];
+    state.methods[0] = common::with_map("bsm", "resolution=64 steps=16 fit=warped", "");
+    let mut window = window_of([960.0, 540.0], Theme::Dark, None, |live, _| {
+        App::new(live, "adapter".into(), Some(state), Instant::now()).unwrap()
+    });
+    settle(&mut window);
+    press(&mut window, "Light map");
+    let mut shown = Vec::new();
+    for shape in ["As stored", "In the plane"] {
+        press(&mut window, shape);
+        let name = format!("map-{}", shape.to_lowercase().replace(' ', "-"));
+        shown.push((name, frame(&mut window)));
+    }
+    press(&mut window, "Texel grid");
+    let without = frame(&mut window);
+    assert!(difference(&without, &shown[1].1) > 2.0 * TOLERANCE);
+    as_stored(&shown);
+}
+
+/// Presses the control of this name and waits for what it asks for.
+fn press(window: &mut Window, label: &str) {
+    window.get_by_label(label).click();
+    settle(window);
+}
+
+/// Compares windows with the stored pictures, each of which must refuse the others; or stores them.
+fn as_stored(shown: &[(String, RgbaImage)]) {
     if std::env::var_os("OCCLAB_BLESS").is_some_and(|v| v == "1") {
-        for (name, image) in &shown {
+        for (name, image) in shown {
             image.save(stored(name)).unwrap();
         }
         panic!("snapshots were written; run the tests again without OCCLAB_BLESS");
     }
-    for (name, image) in &shown {
+    for (name, image) in shown {
         let path = stored(name);
         let reference = image::open(&path)
             .unwrap_or_else(|e| panic!("{}: {e}; {HOW_TO_BLESS}", path.display()))

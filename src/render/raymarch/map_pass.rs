@@ -26,6 +26,8 @@ pub(super) struct MapPasses {
     /// Frames over which a map is filled.
     fill_frames: u32,
     state: Cell<FillState>,
+    /// Where the texels lie.
+    pub cascades: MapCascades,
 }
 
 /// A map and its passes, in order of execution.
@@ -105,6 +107,7 @@ impl MapPasses {
             inputs: read,
             fill_frames,
             state: Cell::default(),
+            cascades,
         })
     }
 

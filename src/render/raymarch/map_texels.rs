@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::frame::is_nonfinite;
 use crate::gpu::{Gpu, read_buffer, read_texture};
 use crate::occlusion::plan::{MapLayout, MapNumbers};
+use crate::scene::{MapCascades, MapRectangle};
 use half::f16;
 
 /// Values of a light map as its method stored them.
@@ -12,12 +13,13 @@ use half::f16;
 pub struct MapTexels {
     /// Edge of a rectangle of the map, texels.
     pub resolution: u32,
-    /// Rectangles, one above the other along v.
-    pub cascades: u32,
     /// Values a texel, of a 3-D texture those of a column of voxels; padding of the format is left out.
     pub values_a_texel: u32,
     /// Values, texel after texel, u fastest.
     pub values: Vec<f32>,
+    /// Where the texels lie in the plane perpendicular to the sun: the rectangles of all cascades, the nearest first, one
+    /// above the other along v; at least one.
+    pub rectangles: Vec<MapRectangle>,
 }
 
 impl MapTexels {
@@ -33,7 +35,7 @@ impl MapTexels {
         self.values.iter().filter(|v| is_nonfinite(**v)).count() as u64
     }
 
-    pub(super) fn read(gpu: &Gpu, map: &MapStorage) -> Result<Self> {
+    pub(super) fn read(gpu: &Gpu, map: &MapStorage, cascades: &MapCascades) -> Result<Self> {
         let texels = map.resolution as usize * map.rows as usize;
         let n = map.layout.column_values() as usize;
         let numbers = map.layout.numbers();
@@ -59,9 +61,9 @@ impl MapTexels {
         };
         Ok(Self {
             resolution: map.resolution,
-            cascades: map.rows / map.resolution.max(1),
             values_a_texel: map.layout.column_values(),
             values: (0..texels * n).map(|i| value(i / n, i % n)).collect(),
+            rectangles: cascades.rectangles().to_vec(),
         })
     }
 }

@@ -171,7 +171,7 @@ impl PreparedPasses {
 
     /// Reads back the light map of the last run; `None` for a method without one.
     pub fn map_texels(&self, gpu: &Gpu) -> Result<Option<MapTexels>> {
-        let read = |map: &MapPasses| MapTexels::read(gpu, map.storage());
+        let read = |map: &MapPasses| MapTexels::read(gpu, map.storage(), &map.cascades);
         self.map.as_ref().map(read).transpose()
     }
 

@@ -13,11 +13,13 @@
 //! without its name, which the study gives; scene paths are relative to the study file.
 
 mod spec;
+mod verdicts;
 
 pub use spec::{
-    ChartSpec, Check, ClaimSpec, CostChart, CostSpec, Erratum, Evidence, Pick, Prices, Published,
-    Quantity, Question, Series, TableColumn, TableRow, TableSpec, Test,
+    ChartSpec, Check, ClaimSpec, CostChart, CostSpec, Pick, Prices, Published, Quantity, Series,
+    TableColumn, TableRow, TableSpec, Test,
 };
+pub use verdicts::{Erratum, Evidence, Question};
 
 use super::document::Document;
 use super::experiment::{self, Experiment};
