@@ -28,7 +28,8 @@
 // Cost: look-up two fetches, a square root, an exponential; six, with texel bounds, three fetches, two roots; texel bounds march
 // a column twice.
 #import map::{map, Tap, fetch}
-#import column::{Column, sample_depth, sample_extinction, step_depth, store}
+#import bounds::column_bounds
+#import column::{Column, sample_depth, sample_extinction, store}
 
 struct Params {
     overestimation: f32,
@@ -57,31 +58,13 @@ const BIAS: f32 = 5e-7;
 const SMALLEST_PIVOT: f32 = 0.02 * BIAS;
 #endif
 
-// Edges of the occupied part of the column, over depth_m.
-fn bounds(column: Column) -> vec2f {
-#ifdef BOUNDS_TEXEL
-    var first = map.steps;
-    var last = 0u;
-    for (var k = 0u; k < map.steps; k++) {
-        if sample_extinction(column, k) > 0.0 {
-            first = min(first, k);
-            last = k + 1u;
-        }
-    }
-    let edges_m = vec2f(step_depth(column, f32(min(first, last))), step_depth(column, f32(last)));
-    return edges_m / max(map.depth_m, 1e-20);
-#else
-    return vec2f(0.0, 1.0);
-#endif
-}
-
 // z of a depth
 fn position(depth: f32, edges: vec2f) -> f32 {
     return 2.0 * saturate((depth - edges.x) / max(edges.y - edges.x, 1e-20)) - 1.0;
 }
 
 fn encode(column: Column) {
-    let edges = bounds(column);
+    let edges = column_bounds(column);
     var total = 0.0;
     var moments = vec4f(0.0);
 #ifdef MOMENTS_SIX

@@ -89,7 +89,7 @@ impl LightOcclusion for Msm {
             title: "Moment shadow map",
             summary: "moment shadow map: optical depth and m = 4 or 6 moments of its distribution",
             texel: "m + 1 + 2",
-            expect: "Three points stand for the column: light fades in gaps between clouds, and in deep columns shadow begins before the medium does. In f16 the bias that rounding calls for smears optical depth over the whole interval, most with `bounds=map`.",
+            expect: "Three points, or four, stand for the column: light fades in gaps between clouds, and in deep columns shadow begins before the medium does. In f16 the bias that rounding calls for smears optical depth over the whole interval, most with `bounds=map`.",
             citation: "Münstermann et al. 2018, Moment-Based Order-Independent Transparency; Peters et al. 2017",
             role: Role::Practical,
             colour: 0x7a4a1e,
