@@ -61,7 +61,7 @@ const TRIALS: Trials = Trials {
             "tail=off front=weighted mean=fitted lookup=hardware",
         ),
     ],
-    clouds: &[trial("", "mean=fitted"), trial("tail=dark", "")],
+    clouds: &[trial("", "mean=fitted")],
     texels: &[
         trial("", "mean=all"),
         trial("mean=all front=first", "mean=all"),
