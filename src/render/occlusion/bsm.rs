@@ -213,13 +213,11 @@ impl Beer {
 /// The column up to the step behind which T is at most `transmittance`, nothing behind, and the tail that stands for the
 /// rest; `None` where T stays above.
 fn ended(column: &Column, transmittance: f64) -> Option<(Column, f64)> {
-    let behind = column.thicknesses().scan(0.0, |tau, thickness| {
+    let mut behind = column.thicknesses().scan(0.0, |tau, thickness| {
         *tau += thickness;
         Some(*tau)
     });
-    let last = behind
-        .into_iter()
-        .position(|tau| tau >= -transmittance.ln())?;
+    let last = behind.position(|tau| tau >= -transmittance.ln())?;
     let mut lit = column.clone();
     lit.extinction_per_m[last + 1..].fill(0.0);
     let occupied = lit.extinction_per_m.iter().filter(|s| **s > 0.0).count();

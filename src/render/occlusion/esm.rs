@@ -165,7 +165,7 @@ impl Encoding for Exponential {
     }
 
     /// f is what is averaged: ln(mean exp(c z))/c where z is stored.
-    fn mix(&self, square: &[&[f64]], _rounding: &Rounding) -> Vec<f64> {
+    fn mix(&self, square: &[&[f64]]) -> Vec<f64> {
         let stored = || square.iter().map(|values| values[0]);
         let texels = square.len() as f64;
         if self.published {

@@ -71,7 +71,7 @@ pub trait Encoding: Send + Sync {
 
     /// A texel's values after those passes, before storage rounds them, from the stored values of its square, row after
     /// row; beyond the map's edge the nearest texel stands in.
-    fn mix(&self, square: &[&[f64]], _rounding: &Rounding) -> Vec<f64> {
+    fn mix(&self, square: &[&[f64]]) -> Vec<f64> {
         square[square.len() / 2].to_vec()
     }
 

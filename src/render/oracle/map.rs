@@ -279,7 +279,7 @@ impl LightMap {
             .map(|[i, j]| self.column_texel([near(at[0], i), near(at[1], j)]))
             .collect();
         let square: Vec<&[f64]> = around.iter().map(|texel| &*texel.values).collect();
-        let values = self.encoding.mix(&square, &self.rounding);
+        let values = self.encoding.mix(&square);
         Texel {
             values: self.encoding.stored(values, &self.rounding).into(),
             length: self.column_texel(at).length,
