@@ -277,9 +277,11 @@ fn share_before_of(b: &[f64], z: f64, own: f64) -> f64 {
     let order = b.len() / 2;
     let moment = |i: usize| if i == 0 { 1.0 } else { b[i - 1] };
     let solved = |x: f64| {
-        let row = |i: usize| (0..=order).map(|j| moment(i + j)).collect();
-        let right = (0..=order).map(|i| x.powi(i as i32)).collect();
-        eliminated((0..=order).map(row).collect(), right)
+        let row = |i: usize| {
+            let hankel = (0..=order).map(|j| moment(i + j));
+            hankel.chain([x.powi(i as i32)]).collect()
+        };
+        eliminated((0..=order).map(row).collect())
     };
     let weight = |x: f64| 1.0 / at(&solved(x), x);
     let others = roots(&solved(z));
@@ -290,19 +292,22 @@ fn share_before_of(b: &[f64], z: f64, own: f64) -> f64 {
 /// Distance beyond which points of support are left out: six moments leave a weight below 1e-18 there.
 const FAR: f64 = 1e3;
 
-/// The solution of `matrix` · c = `right`, for a positive matrix: by elimination without pivoting.
-fn eliminated(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
-    let n = right.len();
+/// The solution of linear equations, a row each with the right side last, of a positive matrix: by elimination without
+/// pivoting.
+fn eliminated(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+    let n = rows.len();
     for k in 0..n {
-        for i in (0..n).filter(|i| *i != k) {
-            let factor = matrix[i][k] / matrix[k][k];
-            for j in 0..n {
-                matrix[i][j] -= factor * matrix[k][j];
+        let pivot = rows[k].clone();
+        let others = rows.iter_mut().enumerate().filter(|(i, _)| *i != k);
+        for (_, row) in others {
+            let factor = row[k] / pivot[k];
+            for (value, of_pivot) in row.iter_mut().zip(&pivot) {
+                *value -= factor * of_pivot;
             }
-            right[i] -= factor * right[k];
         }
     }
-    (0..n).map(|i| right[i] / matrix[i][i]).collect()
+    let solved = rows.iter().enumerate().map(|(i, row)| row[n] / row[i]);
+    solved.collect()
 }
 
 /// Σ cᵢ xⁱ
