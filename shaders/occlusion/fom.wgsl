@@ -9,7 +9,8 @@
 // Harmonics by recurrence from one sine and cosine of the reduced angle 2π·fract(x) − π: WGSL promises 2⁻¹¹ only there.
 // Source: Jansen & Bavoil 2010, eqs. 6–9; thesis M, Algorithms 7 and 8. Cost: look-up ⌈values/4⌉ fetches, n rotations.
 #import map::{map, Tap, fetch}
-#import column::{Column, sample_depth, sample_extinction, step_depth, store}
+#import bounds::column_bounds
+#import column::{Column, sample_depth, sample_extinction, store}
 
 const ORDER: u32 = #{ORDER}u;
 const LAYERS: u32 = #{LAYERS}u;
@@ -34,23 +35,6 @@ fn optical_thickness(sigma: f32, step_m: f32) -> f32 {
 #endif
 }
 
-// Edges of the occupied part of the column, over depth_m.
-fn bounds(column: Column) -> vec2f {
-#ifdef BOUNDS_TEXEL
-    var first = map.steps;
-    var last = 0u;
-    for (var k = 0u; k < map.steps; k++) {
-        if sample_extinction(column, k) > 0.0 {
-            first = min(first, k);
-            last = k + 1u;
-        }
-    }
-    return vec2f(step_depth(column, f32(min(first, last))), step_depth(column, f32(last))) / map.depth_m;
-#else
-    return vec2f(0.0, 1.0);
-#endif
-}
-
 // Depth as the series' variable, in [0, 1].
 fn series_position(depth: f32, front: f32, back: f32) -> f32 {
 #ifdef BOUNDS_TEXEL
@@ -61,7 +45,7 @@ fn series_position(depth: f32, front: f32, back: f32) -> f32 {
 }
 
 fn encode(column: Column) {
-    let edges = bounds(column);
+    let edges = column_bounds(column);
     var values: array<f32, #{PADDED}>;
     for (var k = 0u; k < map.steps; k++) {
         let sigma = sample_extinction(column, k);

@@ -13,7 +13,8 @@
 // Source: Delalandre et al. 2011, Transmittance Function Mapping, the Fourier representation of transmittance.
 // Cost: look-up ⌈values/4⌉ fetches, n − 2 rotations; a column with texel bounds is marched twice.
 #import map::{map, Tap, fetch}
-#import column::{Column, sample_depth, sample_extinction, step_depth, store}
+#import bounds::column_bounds
+#import column::{Column, sample_depth, sample_extinction, store}
 #import numerics::one_minus_exp_neg
 
 const COEFFICIENTS: u32 = #{COEFFICIENTS}u;
@@ -30,24 +31,6 @@ fn rotate(a: vec2f, b: vec2f) -> vec2f {
     return vec2f(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x);
 }
 
-// Edges of the occupied part of the column, over depth_m.
-fn bounds(column: Column) -> vec2f {
-#ifdef BOUNDS_TEXEL
-    var first = map.steps;
-    var last = 0u;
-    for (var k = 0u; k < map.steps; k++) {
-        if sample_extinction(column, k) > 0.0 {
-            first = min(first, k);
-            last = k + 1u;
-        }
-    }
-    let edges_m = vec2f(step_depth(column, f32(min(first, last))), step_depth(column, f32(last)));
-    return edges_m / max(map.depth_m, 1e-20);
-#else
-    return vec2f(0.0, 1.0);
-#endif
-}
-
 // Depth as the series' variable, in [0, 1].
 fn series_position(depth: f32, edges: vec2f) -> f32 {
 #ifdef BOUNDS_TEXEL
@@ -58,7 +41,7 @@ fn series_position(depth: f32, edges: vec2f) -> f32 {
 }
 
 fn encode(column: Column) {
-    let edges = bounds(column);
+    let edges = column_bounds(column);
     var values: array<f32, #{PADDED}>;
     var light = 1.0;
     for (var k = 0u; k < map.steps; k++) {

@@ -1,9 +1,10 @@
 //! Exponential shadow map: the front of each light column, one value a texel.
 
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
+use super::plan::{MapResource, MapResourceKind, MethodPass, StorableFormat};
 use super::rounding::Rounding;
 use super::twin::{Column, Encoding, Front, LookUp, Twin, at_least_zero};
-use super::{FORM, FRONT, GEOMETRY, LightOcclusion, Plan, TEXELS};
+use super::{FORM, FRONT, GEOMETRY, LightOcclusion, Plan, TEXELS, map_rows};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
 
@@ -23,6 +24,18 @@ const PARAMS: &[ParamSpec] = &[
         applies: Applies::Always,
         as_printed: &[],
     },
+    ParamSpec {
+        name: "blur_texels",
+        unit: "texels",
+        doc: "Radius r of a blur of the exponentials, the mean of (2r + 1)² texels, before look-ups (Annen et al. 2008); 0 = none.",
+        kind: ParamKind::Int {
+            min: 0,
+            max: 64,
+            default: 0,
+        },
+        applies: Applies::Always,
+        as_printed: &[],
+    },
     FORM,
     FRONT,
 ];
@@ -38,10 +51,21 @@ const TRIALS: Trials = Trials {
             "form=published c=80 storage=f32",
             "form=published c=88 storage=f32",
         ),
+        trial("blur_texels=3", "blur_texels=2"),
+        trial(
+            "form=published c=8 blur_texels=3",
+            "form=published c=8 blur_texels=2",
+        ),
     ],
     clouds: &[trial("", "c=12.1")],
     texels: &[
         trial("", "front=first"),
+        trial("blur_texels=2", "blur_texels=1"),
+        trial("blur_texels=2 c=500", "blur_texels=1 c=500"),
+        trial(
+            "form=published c=8 blur_texels=3",
+            "form=published c=8 blur_texels=2",
+        ),
         trial("form=published c=8", "form=published c=8.1"),
     ],
     // With the other front, the threshold leaves out τ = 0.01.
@@ -55,7 +79,7 @@ impl LightOcclusion for Esm {
             title: "Exponential shadow map",
             summary: "exponential shadow map",
             texel: "1",
-            expect: "Behind the front the extinction is c over the longest column, whatever the cloud: light leaks deep into dense cloud, most at a low sun, where columns are long. The published form stores values that are not finite, in f16 from c·z = 11.09.",
+            expect: "Behind the front the extinction is c over the longest column, whatever the cloud: light leaks deep into dense cloud, most at a low sun, where columns are long. A blur (`blur_texels`) leaks more still at the edges of clouds, where columns without a front outweigh their neighbours. The published form stores values that are not finite, in f16 from c·z = 11.09.",
             citation: "Annen et al. 2008, Exponential Shadow Maps, eq. 3; thesis M, Algorithms 3 and 4",
             role: Role::Practical,
             colour: 0x1b9b80,
@@ -74,6 +98,7 @@ impl LightOcclusion for Esm {
         Ok(Twin::Map(Box::new(Exponential {
             c: params.number("c")?,
             front: Front::new(params)?,
+            blur_texels: params.int("blur_texels")?,
             published: params.choice("form")? == "published",
         })))
     }
@@ -86,8 +111,33 @@ impl LightOcclusion for Esm {
         Ok(vec![name.to_owned()])
     }
 
-    fn plan(&self, _params: &Params) -> Result<Plan> {
-        Ok(Plan::array(1))
+    fn plan(&self, params: &Params) -> Result<Plan> {
+        let mut plan = Plan::array(1);
+        let radius = params.int("blur_texels")?;
+        if radius > 0
+            && let Some(map) = &mut plan.map
+        {
+            plan.defs.insert("BLUR".into(), None);
+            let (edge, rows) = (params.int("resolution")?, map_rows(params)?);
+            map.resources.push(MapResource {
+                read: "rows",
+                write: "rows_store",
+                kind: MapResourceKind::Array {
+                    size: [edge, rows, 1],
+                    levels: 1,
+                    format: StorableFormat::R32Float,
+                },
+                temporary: true,
+            });
+            map.after = ["blur_rows", "blur_columns"]
+                .map(|entry| MethodPass {
+                    entry,
+                    threads: [edge, rows],
+                    levels: Vec::new(),
+                })
+                .into();
+        }
+        Ok(plan)
     }
 }
 
@@ -95,6 +145,8 @@ impl LightOcclusion for Esm {
 struct Exponential {
     c: f64,
     front: Front,
+    /// Radius of the blur, texels.
+    blur_texels: u32,
     published: bool,
 }
 
@@ -106,6 +158,22 @@ impl Encoding for Exponential {
         } else {
             vec![z]
         }
+    }
+
+    fn mixed_texels(&self) -> u32 {
+        self.blur_texels
+    }
+
+    /// f is what is averaged: ln(mean exp(c z))/c where z is stored.
+    fn mix(&self, square: &[&[f64]]) -> Vec<f64> {
+        let stored = || square.iter().map(|values| values[0]);
+        let texels = square.len() as f64;
+        if self.published {
+            return vec![stored().sum::<f64>() / texels];
+        }
+        let most = stored().fold(f64::NEG_INFINITY, f64::max);
+        let mean = stored().map(|z| (self.c * (z - most)).exp()).sum::<f64>() / texels;
+        vec![most + mean.ln() / self.c]
     }
 
     fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64 {

@@ -1,7 +1,8 @@
 //! Parameters that maps share. The renderer reads them by name: those of [`GEOMETRY`] of every map, `storage` where it
 //! holds floats, `lookup` where it is read by texels.
 
-use crate::param::{Applies, AsPrinted, ParamKind, ParamSpec};
+use crate::error::Result;
+use crate::param::{Applies, AsPrinted, ParamKind, ParamSpec, Params};
 
 /// Parameters of every map, whatever it stores: where its texels and samples lie.
 pub const GEOMETRY: &[ParamSpec] = &[
@@ -28,6 +29,12 @@ pub const READ_BY_RENDERER: &[&str] = &[
     CASCADE_RATIO.name,
     FILL_FRAMES.name,
 ];
+
+/// Rows of texels of a map with these parameters: those of all cascades.
+pub(super) fn map_rows(params: &Params) -> Result<u32> {
+    let resolution = params.int("resolution")?;
+    Ok(resolution.saturating_mul(params.int("cascades")?))
+}
 
 /// Edge of a map.
 const RESOLUTION: ParamSpec = ParamSpec {

@@ -39,7 +39,7 @@ mod truth;
 
 pub use fom::thickness_of_opacity;
 pub use info::{Marker, MethodInfo, Role, Trial, Trials, trial};
-use map_params::{FORM, FRONT};
+use map_params::{FORM, FRONT, map_rows};
 pub use map_params::{GEOMETRY, LOOKUP, READ_BY_RENDERER, STORAGE, TEXEL_LOOKUP, TEXELS};
 pub use plan::Plan;
 
@@ -242,8 +242,7 @@ impl MethodSetup {
 
     /// Rows of texels of its map: those of all cascades.
     pub fn map_rows(&self) -> Result<u32> {
-        let resolution = self.params.int("resolution")?;
-        Ok(resolution.saturating_mul(self.params.int("cascades")?))
+        map_rows(&self.params)
     }
 
     /// Frames over which its map is filled; 1 without a map.

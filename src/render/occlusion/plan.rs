@@ -146,7 +146,8 @@ pub enum StorableFormat {
 /// A pass of a method's own; its GPU time is part of `generate`, as that of the column pass.
 ///
 /// The entry point is in the method's WGSL file and imports `method_pass::{in_tile, place, count_samples}`: passes are
-/// dispatched in tiles of whole workgroups, and a pass that takes density samples counts them.
+/// dispatched in tiles of whole workgroups, and a pass that takes density samples counts them. What passes after the columns
+/// mix of neighbouring texels, a twin says in [`Encoding::mix`](super::twin::Encoding::mix).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MethodPass {
     /// Entry point.

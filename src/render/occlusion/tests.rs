@@ -6,7 +6,7 @@ use super::{MethodSetup, REGISTRY};
 use crate::param::{Applies, ParamKind, ParamSpec, ParamValue, Params};
 
 /// Parameters that act between texels: a single column does not depend on them.
-const OF_THE_MAP: [&str; 7] = [
+const OF_THE_MAP: [&str; 8] = [
     "resolution",
     "lookup",
     "fit",
@@ -14,6 +14,7 @@ const OF_THE_MAP: [&str; 7] = [
     "placement",
     "near_steps",
     "near_m",
+    "blur_texels",
 ];
 
 /// A light ray of 3 km through cells of 37 m, some of them empty.

@@ -64,6 +64,17 @@ pub trait Encoding: Send + Sync {
         stored.collect()
     }
 
+    /// Radius in texels of the square from which passes after the columns mix a texel's values; 0 = there are none.
+    fn mixed_texels(&self) -> u32 {
+        0
+    }
+
+    /// A texel's values after those passes, before storage rounds them, from the stored values of its square, row after
+    /// row; beyond the map's edge the nearest texel stands in.
+    fn mix(&self, square: &[&[f64]]) -> Vec<f64> {
+        square[square.len() / 2].to_vec()
+    }
+
     /// V at a depth, from the values as stored. For a map in a 3-D texture the values are already interpolated between
     /// four columns, slice by slice; [`between_slices`] does the rest of a trilinear fetch.
     fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64;
@@ -104,6 +115,8 @@ pub enum Front {
     Threshold,
     /// Near edge of the first step with extinction.
     First,
+    /// Mean depth of the steps with extinction, each weighted with the transmittance behind it (Matsuda 2025).
+    Weighted,
 }
 
 impl Front {
@@ -111,6 +124,7 @@ impl Front {
     pub fn new(params: &Params) -> Result<Self> {
         Ok(match params.choice("front")? {
             "first" => Self::First,
+            "weighted" => Self::Weighted,
             _ => Self::Threshold,
         })
     }
@@ -206,14 +220,15 @@ impl Column {
 
     /// The front over L_max; `None` where the column has none.
     pub fn front(&self, rule: Front) -> Option<f64> {
+        if rule == Front::Weighted {
+            return self.weighted_front();
+        }
         let wanted = -FRONT_TRANSMITTANCE.ln();
         let mut tau = 0.0;
         for (k, thickness) in self.thicknesses().enumerate() {
             let within = match rule {
                 Front::First => (thickness > 0.0).then_some(0.0),
-                Front::Threshold => {
-                    (tau + thickness > wanted).then(|| ((wanted - tau) / thickness).max(0.0))
-                }
+                _ => (tau + thickness > wanted).then(|| ((wanted - tau) / thickness).max(0.0)),
             };
             if let Some(fraction) = within {
                 return Some(self.depth_at(k, fraction));
@@ -221,6 +236,19 @@ impl Column {
             tau += thickness;
         }
         None
+    }
+
+    /// Σ T d/Σ T over the steps with extinction, T taken over that behind the first of them.
+    fn weighted_front(&self) -> Option<f64> {
+        let occupied = self.thicknesses().enumerate().filter(|(_, t)| *t > 0.0);
+        let (mut tau, mut depths, mut weights) = (0.0, 0.0, 0.0);
+        for (k, thickness) in occupied {
+            tau += if weights > 0.0 { thickness } else { 0.0 };
+            let weight = f64::exp(-tau);
+            depths += weight * self.depth_at(k, self.fraction);
+            weights += weight;
+        }
+        (weights > 0.0).then(|| depths / weights)
     }
 }
 

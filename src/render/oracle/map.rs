@@ -1,5 +1,5 @@
 //! A light map in f64. Texels are marched at their first look-up: memory grows with the texels that the view needs, not
-//! with the map's size.
+//! with the map's size. Where a method's passes mix texels, those around are marched with them.
 
 use super::counted_ray::CountedRay;
 use super::field::OracleField;
@@ -30,6 +30,34 @@ struct Texel {
     length: f64,
     /// Density samples its march took.
     samples: u64,
+}
+
+/// Texels by their place, filled from many threads.
+struct Texels(Vec<Mutex<HashMap<u64, Arc<Texel>>>>);
+
+impl Texels {
+    fn new() -> Self {
+        Self((0..SHARDS).map(|_| Mutex::default()).collect())
+    }
+
+    /// The texel at `key`, made where there is none.
+    fn get(&self, key: u64, make: impl FnOnce() -> Texel) -> Arc<Texel> {
+        let shard = &self.0[key as usize % SHARDS];
+        let lock = || shard.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(texel) = lock().get(&key) {
+            return texel.clone();
+        }
+        let texel = Arc::new(make());
+        lock().entry(key).or_insert(texel).clone()
+    }
+
+    fn sum(&self, of: impl Fn(&Texel) -> u64) -> u64 {
+        let shard = |shard: &Mutex<HashMap<_, Arc<Texel>>>| -> u64 {
+            let texels = shard.lock().unwrap_or_else(PoisonError::into_inner);
+            texels.values().map(|texel| of(texel)).sum()
+        };
+        self.0.iter().map(shard).sum()
+    }
 }
 
 /// Look-up between texels.
@@ -74,7 +102,10 @@ pub(super) struct LightMap {
     rule: Rule,
     encoding: Box<dyn Encoding>,
     rounding: Rounding,
-    shards: Vec<Mutex<HashMap<u64, Arc<Texel>>>>,
+    /// As the column pass leaves them.
+    columns: Texels,
+    /// As passes behind it leave them; empty where there are none.
+    mixed: Texels,
 }
 
 impl LightMap {
@@ -93,7 +124,9 @@ impl LightMap {
         let values = plan.map_values().unwrap_or_default();
         let samples =
             u64::from(image.width) * u64::from(image.height) * u64::from(scene.march.most_steps());
-        let texels = (u64::from(resolution) * u64::from(setup.map_rows()?)).min(8 * samples);
+        let square = (2 * u64::from(encoding.mixed_texels()) + 1).pow(2);
+        let texels = u64::from(resolution) * u64::from(setup.map_rows()?);
+        let texels = texels.min(8 * square * samples);
         if texels.saturating_mul(8 * u64::from(values)) > MAX_BYTES {
             return Err(Error::input(
                 "method",
@@ -117,7 +150,8 @@ impl LightMap {
             rule: Rule::new(setup, &plan)?,
             encoding,
             rounding: options.rounding,
-            shards: (0..SHARDS).map(|_| Mutex::default()).collect(),
+            columns: Texels::new(),
+            mixed: Texels::new(),
         })
     }
 
@@ -222,20 +256,16 @@ impl LightMap {
 
     /// Density samples of all texels marched so far.
     pub fn samples(&self) -> u64 {
-        self.sum(|texel| texel.samples)
+        self.columns.sum(|texel| texel.samples)
     }
 
     /// Values of all texels marched so far that are NaN or infinite.
     pub fn nonfinite_stored(&self) -> u64 {
-        self.sum(|texel| texel.values.iter().filter(|v| !v.is_finite()).count() as u64)
-    }
-
-    fn sum(&self, of: impl Fn(&Texel) -> u64) -> u64 {
-        let shard = |shard: &Mutex<HashMap<_, Arc<Texel>>>| -> u64 {
-            let texels = shard.lock().unwrap_or_else(PoisonError::into_inner);
-            texels.values().map(|texel| of(texel)).sum()
-        };
-        self.shards.iter().map(shard).sum()
+        let nonfinite = |texel: &Texel| texel.values.iter().filter(|v| !v.is_finite()).count();
+        let both = [&self.columns, &self.mixed];
+        both.map(|texels| texels.sum(|texel| nonfinite(texel) as u64))
+            .iter()
+            .sum()
     }
 
     /// Values of a texel, clamped to the map's edge; `v` counts through all rectangles.
@@ -250,15 +280,40 @@ impl LightMap {
     }
 
     fn texel(&self, cascade: usize, at: [u32; 2]) -> Arc<Texel> {
-        let row = cascade as u64 * u64::from(self.resolution) + u64::from(at[1]);
-        let key = row * u64::from(self.resolution) + u64::from(at[0]);
-        let shard = &self.shards[key as usize % SHARDS];
-        let lock = || shard.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(texel) = lock().get(&key) {
-            return texel.clone();
+        match self.encoding.mixed_texels() {
+            0 => self.column_texel(cascade, at),
+            radius => self
+                .mixed
+                .get(self.key(cascade, at), || self.mix(cascade, at, radius)),
         }
-        let texel = Arc::new(self.march(cascade, at));
-        lock().entry(key).or_insert(texel).clone()
+    }
+
+    fn column_texel(&self, cascade: usize, at: [u32; 2]) -> Arc<Texel> {
+        self.columns
+            .get(self.key(cascade, at), || self.march(cascade, at))
+    }
+
+    fn key(&self, cascade: usize, at: [u32; 2]) -> u64 {
+        let row = cascade as u64 * u64::from(self.resolution) + u64::from(at[1]);
+        row * u64::from(self.resolution) + u64::from(at[0])
+    }
+
+    /// The texel that passes behind the columns make of those within `radius`.
+    fn mix(&self, cascade: usize, at: [u32; 2], radius: u32) -> Texel {
+        let radius = i64::from(radius);
+        let last = i64::from(self.resolution) - 1;
+        let near = |center: u32, offset: i64| (i64::from(center) + offset).clamp(0, last) as u32;
+        let offsets = (-radius..=radius).flat_map(|j| (-radius..=radius).map(move |i| [i, j]));
+        let around: Vec<_> = offsets
+            .map(|[i, j]| self.column_texel(cascade, [near(at[0], i), near(at[1], j)]))
+            .collect();
+        let square: Vec<&[f64]> = around.iter().map(|texel| &*texel.values).collect();
+        let values = self.encoding.mix(&square);
+        Texel {
+            values: self.encoding.stored(values, &self.rounding).into(),
+            length: self.column_texel(cascade, at).length,
+            samples: 0,
+        }
     }
 
     fn march(&self, cascade: usize, at: [u32; 2]) -> Texel {

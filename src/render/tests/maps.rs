@@ -132,6 +132,8 @@ fn memory_follows_from_values_and_format() {
         let methods = [
             ("esm", "", 1),
             ("bsm", "", 3),
+            ("bsm", "tail=dark", 4),
+            ("msm", "moments=six", 9),
             ("fom", "", 7),
             ("fom", "bounds=texel", 9),
             ("fom", "order=7", 15),
