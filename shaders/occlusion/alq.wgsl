@@ -1,4 +1,4 @@
-// Absorbed-light quantiles (ALQ), K + 1 values a texel: A, z₁ … z_K.
+// Absorbed-light quantiles (ALQ), K + 1 values a texel: A, z₁ … z_K, K = 2, 3 or 6.
 //
 //   A = 1 − T_end;  z_i = depth over depth_m at which the absorbed share (1 − T)/A of the column reaches q_i
 //   V = 1 − A·Q(d),  Q piecewise linear through (z_i, q_i), first and last piece extended, clamped to [0, 1]
@@ -6,12 +6,23 @@
 // A view ray reads a depth with weight σT, which is uniform in T: equal errors of Q cost equal light, so the values are
 // spent on quantiles of absorbed light and not on depths. A crossing inside a step of constant σ is at
 // (τ_i − τ)/(σΔ) of it, τ_i = −ln(1 − q_i A).
+//
+// Storage, beside floats and fractions of 16 bits, which keep the values as they are:
+//   packed   √A in 8 bits; z₁ in 16, K = 3: 10; √s_i in 8, K = 3: 7,  s_i = (z_i − z_{i−1})/(1 − z_{i−1}), z_{i−1} as stored;
+//            roots, because most columns are long and most clouds are not. 4, 4 and 8 bytes
+//   tile     √A and t_i in 8 bits, z_i = near + t_i·(far − near), near and far of 8 × 8 texels in 16 bits each: the least
+//            z₁ rounded down, the largest z_K rounded up, of columns that absorb light. 4, 4 and 8 bytes, and 1/16
+//
 // Source: this project; quantile functions: Parzen 1979. The shares q are constants: those of K = 3 and 6 were found
 // numerically, those of K = 2 have the least RMS error of Q over homogeneous columns of τ = 0.3 … 30, to 5 %.
-// Cost: one column march of up to 128 steps, which are kept, or two of more; look-up ⌈(K + 1)/4⌉ fetches, no exponential.
+// Cost: one column march of up to 128 steps, which are kept, or two of more; look-up ⌈(K + 1)/4⌉ fetches, no exponential;
+// packed one fetch; tile a buffer read more, and a barrier in the column pass.
 #import map::{map, Tap, fetch}
 #import column::{Column, sample_extinction, step_depth, store}
 #import numerics::one_minus_exp_neg
+#ifdef STORAGE_PACKED
+#import map_words::{store_words, fetch_words}
+#endif
 
 #ifdef QUANTILES_TWO
 const K: u32 = 2u;
@@ -73,27 +84,156 @@ fn encode(column: Column) {
         }
         tau += thickness;
     }
+    store_values(column, values);
+}
+
+#ifdef STORAGE_PACKED
+#ifdef QUANTILES_THREE
+const FRONT_BITS: u32 = 10u;
+const SHARE_BITS: u32 = 7u;
+#else
+const FRONT_BITS: u32 = 16u;
+const SHARE_BITS: u32 = 8u;
+#endif
+
+fn most(bits: u32) -> f32 {
+    return f32((1u << bits) - 1u);
+}
+
+fn to_bits(value: f32, bits: u32) -> u32 {
+    return u32(saturate(value) * most(bits) + 0.5);
+}
+
+fn from_bits(word: u32, first: u32, bits: u32) -> f32 {
+    return f32(extractBits(word, first, bits)) / most(bits);
+}
+
+// The depth behind another, by the root of its share of what is left.
+fn behind(depth: f32, root: f32) -> f32 {
+    return depth + root * root * (1.0 - depth);
+}
+
+fn store_values(column: Column, values: array<f32, LAYERS * 4u>) {
+    var z = values;
+    let front = to_bits(z[1], FRONT_BITS);
+    var words = vec4u(to_bits(sqrt(z[0]), 8u) | (front << 8u), 0u, 0u, 0u);
+    var depth = f32(front) / most(FRONT_BITS);
+    for (var i = 2u; i <= K; i++) {
+        let root = to_bits(sqrt(max(z[i] - depth, 0.0) / max(1.0 - depth, 1e-20)), SHARE_BITS);
+        depth = behind(depth, f32(root) / most(SHARE_BITS));
+        let bit = 8u + FRONT_BITS + (i - 2u) * SHARE_BITS;
+        words[bit / 32u] |= root << (bit % 32u);
+    }
+    store_words(column, 0u, words);
+}
+#else ifdef STORAGE_TILE
+const TILE: u32 = 8u;
+const MOST_END: f32 = 65535.0;
+
+@group(2) @binding(16) var<storage, read> tile_ends: array<u32>;   // near and far, in the lower and the upper half
+@group(2) @binding(17) var<storage, read_write> tile_ends_store: array<u32>;
+var<workgroup> firsts: array<f32, TILE * TILE>;
+var<workgroup> lasts: array<f32, TILE * TILE>;
+
+fn tile_of(texel: vec2u) -> u32 {
+    return texel.y / TILE * ((map.resolution + TILE - 1u) / TILE) + texel.x / TILE;
+}
+
+// By all invocations of a workgroup, whose texels are one tile.
+fn store_values(column: Column, values: array<f32, LAYERS * 4u>) {
+    var z = values;
+    let own = column.texel % TILE;
+    firsts[own.y * TILE + own.x] = select(1.0, z[1], z[0] > 0.0);
+    lasts[own.y * TILE + own.x] = select(0.0, z[K], z[0] > 0.0);
+    workgroupBarrier();
+    var first = 1.0;
+    var last = 0.0;
+    let size = min(vec2u(TILE), vec2u(map.resolution) - (column.texel - own));
+    for (var v = 0u; v < size.y; v++) {
+        for (var u = 0u; u < size.x; u++) {
+            first = min(first, firsts[v * TILE + u]);
+            last = max(last, lasts[v * TILE + u]);
+        }
+    }
+    let near = floor(first * MOST_END);
+    let far = ceil(max(first, last) * MOST_END);
+    if all(own == vec2u(0u)) {
+        tile_ends_store[tile_of(column.texel)] = u32(near) | (u32(far) << 16u);
+    }
+    z[0] = sqrt(z[0]);
+    for (var i = 1u; i <= K; i++) {
+        z[i] = saturate((z[i] * MOST_END - near) / max(far - near, 1e-20));
+    }
+    store_layers(column, z);
+}
+#else
+fn store_values(column: Column, values: array<f32, LAYERS * 4u>) {
+    store_layers(column, values);
+}
+#endif
+
+#ifndef STORAGE_PACKED
+fn store_layers(column: Column, values: array<f32, LAYERS * 4u>) {
+    var z = values;
     for (var layer = 0u; layer < LAYERS; layer++) {
         let j = 4u * layer;
-        store(column, layer, vec4f(values[j], values[j + 1u], values[j + 2u], values[j + 3u]));
+        store(column, layer, vec4f(z[j], z[j + 1u], z[j + 2u], z[j + 3u]));
     }
+}
+#endif
+
+// A, z₁, z₂, z₃ of a texel, and z₄, z₅, z₆.
+struct Values {
+    first: vec4f,
+    second: vec4f,
+}
+
+fn values_of(tap: Tap) -> Values {
+    var values: Values;
+#ifdef STORAGE_PACKED
+    let words = fetch_words(tap, 0u);
+    let root = from_bits(words.x, 0u, 8u);
+    let front = from_bits(words.x, 8u, FRONT_BITS);
+    let next = behind(front, from_bits(words.x, 8u + FRONT_BITS, SHARE_BITS));
+    values.first = vec4f(root * root, front, next, 1.0);
+#ifdef QUANTILES_THREE
+    values.first.w = behind(next, from_bits(words.x, 8u + FRONT_BITS + SHARE_BITS, SHARE_BITS));
+#else ifdef QUANTILES_SIX
+    let roots = unpack4x8unorm(words.y);
+    values.first.w = behind(next, roots.x);
+    values.second.x = behind(values.first.w, roots.y);
+    values.second.y = behind(values.second.x, roots.z);
+    values.second.z = behind(values.second.y, roots.w);
+#endif
+#else
+    values.first = fetch(tap, 0u);
+#ifdef QUANTILES_SIX
+    values.second = fetch(tap, 1u);
+#endif
+#ifdef STORAGE_TILE
+    let ends = unpack2x16unorm(tile_ends[tile_of(vec2u(tap.texel))]);
+    values.first = vec4f(values.first.x * values.first.x, mix(ends.xxx, ends.yyy, values.first.yzw));
+    values.second = mix(ends.xxxx, ends.yyyy, values.second);
+#endif
+#endif
+    return values;
 }
 
 fn transmittance(tap: Tap, depth: f32) -> f32 {
     var shares = SHARES;
-    var stored = fetch(tap, 0u);
-    let absorbed = stored.x;
+    let values = values_of(tap);
+    let z = values.first.yzw;
     // The piece (z, q) … (z_next, q_next) that holds the depth, or the first or last one.
-    var piece = vec4f(stored.y, shares[0], stored.z, shares[1]);
+    var piece = vec4f(z.x, shares[0], z.y, shares[1]);
 #ifndef QUANTILES_TWO
-    piece = select(piece, vec4f(stored.z, shares[1], stored.w, shares[2]), depth > stored.z);
+    piece = select(piece, vec4f(z.y, shares[1], z.z, shares[2]), depth > z.y);
 #endif
 #ifdef QUANTILES_SIX
-    let behind = fetch(tap, 1u);
-    piece = select(piece, vec4f(stored.w, shares[2], behind.x, shares[3]), depth > stored.w);
-    piece = select(piece, vec4f(behind.x, shares[3], behind.y, shares[4]), depth > behind.x);
-    piece = select(piece, vec4f(behind.y, shares[4], behind.z, shares[5]), depth > behind.y);
+    let more = values.second;
+    piece = select(piece, vec4f(z.z, shares[2], more.x, shares[3]), depth > z.z);
+    piece = select(piece, vec4f(more.x, shares[3], more.y, shares[4]), depth > more.x);
+    piece = select(piece, vec4f(more.y, shares[4], more.z, shares[5]), depth > more.y);
 #endif
     let slope = (piece.w - piece.y) / max(piece.z - piece.x, NARROWEST);
-    return 1.0 - absorbed * saturate(piece.y + (depth - piece.x) * slope);
+    return 1.0 - values.first.x * saturate(piece.y + (depth - piece.x) * slope);
 }

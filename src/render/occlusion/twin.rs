@@ -64,6 +64,17 @@ pub trait Encoding: Send + Sync {
         stored.collect()
     }
 
+    /// Edge in texels of the square tiles whose texels are stored together; 1 = each texel alone.
+    fn tile_edge(&self) -> u32 {
+        1
+    }
+
+    /// [`Encoding::stored`] of all texels of a tile, rows along u, those beyond the map's edge left out.
+    fn stored_tile(&self, texels: Vec<Vec<f64>>, rounding: &Rounding) -> Vec<Vec<f64>> {
+        let stored = texels.into_iter().map(|texel| self.stored(texel, rounding));
+        stored.collect()
+    }
+
     /// V at a depth, from the values as stored. For a map in a 3-D texture the values are already interpolated between
     /// four columns, slice by slice; [`between_slices`] does the rest of a trilinear fetch.
     fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64;

@@ -16,7 +16,7 @@ use crate::scene::MapRectangle;
 use glam::DVec3;
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Number of locks over which texels are distributed.
 const SHARDS: usize = 64;
@@ -225,17 +225,58 @@ impl LightMap {
             .to_vec()
     }
 
-    fn texel(&self, at: [u32; 2]) -> Arc<Texel> {
-        let key = u64::from(at[1]) * u64::from(self.resolution) + u64::from(at[0]);
-        let shard = &self.shards[key as usize % SHARDS];
-        let lock = || shard.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(texel) = lock().get(&key) {
-            return texel.clone();
-        }
-        let texel = Arc::new(self.march(at));
-        lock().entry(key).or_insert(texel).clone()
+    fn key(&self, at: [u32; 2]) -> u64 {
+        u64::from(at[1]) * u64::from(self.resolution) + u64::from(at[0])
     }
 
+    fn shard(&self, at: [u32; 2]) -> MutexGuard<'_, HashMap<u64, Arc<Texel>>> {
+        let shard = &self.shards[self.key(at) as usize % SHARDS];
+        shard.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn texel(&self, at: [u32; 2]) -> Arc<Texel> {
+        if let Some(texel) = self.shard(at).get(&self.key(at)) {
+            return texel.clone();
+        }
+        let texel = match self.encoding.tile_edge() {
+            0 | 1 => {
+                let mut texel = self.march(at);
+                let values = self.encoding.stored(texel.values.into(), &self.rounding);
+                texel.values = values.into();
+                Arc::new(texel)
+            }
+            edge => self.march_tile(at, edge),
+        };
+        let mut shard = self.shard(at);
+        shard.entry(self.key(at)).or_insert(texel).clone()
+    }
+
+    /// Marches and keeps all texels of the tile of `at`; that texel.
+    fn march_tile(&self, at: [u32; 2], edge: u32) -> Arc<Texel> {
+        let first = at.map(|i| i / edge * edge);
+        let [us, vs] = first.map(|i| i..(i + edge).min(self.resolution));
+        let own = (at[1] - vs.start) * us.len() as u32 + at[0] - us.start;
+        let places: Vec<[u32; 2]> = vs.flat_map(|v| us.clone().map(move |u| [u, v])).collect();
+        let marched: Vec<Texel> = places.iter().map(|at| self.march(*at)).collect();
+        let values = marched.iter().map(|texel| texel.values.to_vec()).collect();
+        let stored = self.encoding.stored_tile(values, &self.rounding);
+        let texels = marched.into_iter().zip(stored).map(|(texel, values)| {
+            Arc::new(Texel {
+                values: values.into(),
+                ..texel
+            })
+        });
+        let texels: Vec<Arc<Texel>> = texels.collect();
+        for (place, texel) in places.iter().zip(&texels) {
+            let mut shard = self.shard(*place);
+            shard
+                .entry(self.key(*place))
+                .or_insert_with(|| texel.clone());
+        }
+        texels[own as usize].clone()
+    }
+
+    /// A texel before storage rounds its values.
     fn march(&self, at: [u32; 2]) -> Texel {
         let samples = Cell::new(0);
         let ray = CountedRay {
@@ -249,9 +290,8 @@ impl LightMap {
             .then(|| Spans::walk(&ray, part_m(self.field.cell_m(), self.rectangle.depth_m)));
         let depth_m = self.rectangle.depth_m;
         let column = Column::march(&ray, self.steps, self.sampling, spans, depth_m);
-        let values = self.encoding.encode(&column, &self.rounding);
         Texel {
-            values: self.encoding.stored(values, &self.rounding).into(),
+            values: self.encoding.encode(&column, &self.rounding).into(),
             length: column.length_m / self.rectangle.depth_m,
             samples: samples.get(),
         }
