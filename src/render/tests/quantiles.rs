@@ -183,18 +183,31 @@ fn of_clouds() -> Vec<Absorption> {
     columns
 }
 
-/// How much worse the shares are than the best, over homogeneous columns and over the shipped scenes' own.
+/// Relative RMSE of V over that of the best shares: those of two and six are nearly the best everywhere. Those of three are
+/// not where nothing but a column's own error counts, whether homogeneous (best 0.16, 0.56, 0.85) or of clouds (0.22, 0.55,
+/// 0.84); in pictures, where texels and steps add theirs, 0.22, 0.55, 0.82 gain 1 to 3 %.
 #[test]
 fn the_shares_are_nearly_the_best() {
     let (plain, clouds) = (homogeneous(), of_clouds());
-    println!("{} columns of clouds", clouds.len());
-    for quantiles in ["two", "three", "six"] {
-        let shares =
-            quantile_shares(&setup("alq", &format!("quantiles={quantiles}")).params).unwrap();
-        for (what, columns) in [("homogeneous", &plain), ("clouds", &clouds)] {
+    assert!(clouds.len() > 100, "{} columns", clouds.len());
+    for (quantiles, most) in [
+        ("two", [1.05, 1.08]),
+        ("three", [1.35, 1.2]),
+        ("six", [1.15, 1.05]),
+    ] {
+        let setup = setup("alq", &format!("quantiles={quantiles}"));
+        let shares = quantile_shares(&setup.params).unwrap();
+        for ((what, columns), most) in [("homogeneous", &plain), ("clouds", &clouds)]
+            .into_iter()
+            .zip(most)
+        {
             let own = error(columns, shares);
             let (found, least) = best(columns, shares);
             println!("{what} {shares:?}: {own:.4}; {found:.3?}: {least:.4}");
+            assert!(own <= most * least, "{what} {quantiles}: {own} and {least}");
+            let moved: Vec<f64> = shares.iter().map(|share| 0.6 * share).collect();
+            let control = error(columns, &moved);
+            assert!(control > most * least, "{what} {quantiles}: any shares do");
         }
     }
 }
