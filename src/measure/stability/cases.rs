@@ -13,7 +13,8 @@ use std::path::Path;
 /// Parameters whose options give rows of their own.
 const CHOICES: [&str; 3] = ["form", "storage", "lookup"];
 
-/// Every setting of every registered method: form, storage and look-up, where it has them.
+/// Every setting of every registered method: form, storage and look-up, where it has them. Settings that a method refuses
+/// are left out.
 pub fn settings() -> Vec<Setting> {
     let mut out = Vec::new();
     for method in REGISTRY {
@@ -28,16 +29,34 @@ pub fn settings() -> Vec<Setting> {
         let [forms, storages, lookups] = CHOICES.map(options);
         for form in forms {
             for storage in storages {
-                out.extend(lookups.iter().map(|lookup| Setting {
+                let settings = lookups.iter().map(|lookup| Setting {
                     method: info.id.to_owned(),
                     form: (*form).to_owned(),
                     storage: (*storage).to_owned(),
                     lookup: (*lookup).to_owned(),
-                }));
+                });
+                out.extend(settings.filter(combines));
             }
         }
     }
     out
+}
+
+/// Whether the method has a map, or none, at this setting: not every look-up reads every storage.
+fn combines(setting: &Setting) -> bool {
+    let setup = MethodSetup::defaults(&setting.method).and_then(|setup| chosen(setup, setting));
+    setup.is_ok_and(|setup| setup.method.plan(&setup.params).is_ok())
+}
+
+/// The method with the choices of a row.
+fn chosen(mut setup: MethodSetup, setting: &Setting) -> Result<MethodSetup> {
+    let options = [&setting.form, &setting.storage, &setting.lookup];
+    for (name, option) in CHOICES.iter().zip(options) {
+        if option != "-" {
+            setup = setup.with(name, option)?;
+        }
+    }
+    Ok(setup)
 }
 
 /// The method of a row at an extreme; `None` where it lacks a parameter of the extreme, or one does not apply.
@@ -60,14 +79,7 @@ pub fn setup(
     if setup.method.info().is_truth() {
         setup.params.set("step_m", ParamValue::Float(truth_step_m));
     }
-    for (name, option) in CHOICES
-        .iter()
-        .zip([&setting.form, &setting.storage, &setting.lookup])
-    {
-        if option != "-" {
-            setup = setup.with(name, option)?;
-        }
-    }
+    let setup = chosen(setup, setting)?;
     let applying = setup.applying();
     let all_apply = extreme.params.keys().all(|n| applying.get(n).is_some());
     Ok(all_apply.then_some(setup))

@@ -1,12 +1,13 @@
 //! Absorbed-light quantiles: the depths at which given shares of a column's absorbed light are absorbed.
 
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
-use super::plan::{MapLayout, MapNumbers};
-use super::rounding::Rounding;
+use super::plan::{MapLayout, MapNumbers, MapPlan};
+use super::rounding::{FloatFormat, Rounding, fraction};
 use super::twin::{Column, Encoding, LookUp, Twin};
 use super::{GEOMETRY, LOOKUP, LightOcclusion, Plan};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
+use crate::shader_defs::Defs;
 
 /// Absorbed-light quantiles.
 pub struct Alq;
@@ -26,9 +27,9 @@ const PARAMS: &[ParamSpec] = &[
     ParamSpec {
         name: "storage",
         unit: "",
-        doc: "Stored values: half or single precision, or fractions of 16 bits (an optional feature of devices).",
+        doc: "Stored values: half or single precision; fractions of 16 bits (an optional feature of devices); packed = words of 4 bytes for two or three quantiles, 8 for six.",
         kind: ParamKind::Choice {
-            options: &["f16", "f32", "unorm16"],
+            options: &["f16", "f32", "unorm16", "packed"],
             default: "f16",
         },
         applies: Applies::Always,
@@ -45,11 +46,19 @@ const TRIALS: Trials = Trials {
         trial("quantiles=two", "quantiles=three"),
         trial("lookup=nearest", ""),
         trial("lookup=hardware", ""),
+        trial("storage=packed", "storage=f32"),
+        trial("storage=packed quantiles=two", "storage=f32 quantiles=two"),
+        trial("storage=packed quantiles=six", "storage=f32 quantiles=six"),
+        trial(
+            "storage=packed lookup=nearest",
+            "storage=f32 lookup=nearest",
+        ),
         trial("near_steps=3 near_m=0.2", "near_steps=3 near_m=0.1"),
         trial("fit=warped placement=occupied", "fit=axes"),
     ],
     clouds: &[
         trial("", "quantiles=two"),
+        trial("storage=packed", "storage=packed quantiles=two"),
         trial("fit=warped placement=occupied", "fit=axes"),
     ],
     texels: &[
@@ -89,31 +98,42 @@ impl LightOcclusion for Alq {
 
     fn oracle(&self, params: &Params) -> Result<Twin> {
         let shares = shares(params)?;
-        Ok(Twin::Map(Box::new(Quantiles { shares })))
+        let storage = Storage::new(params)?;
+        Ok(Twin::Map(Box::new(Quantiles { shares, storage })))
     }
 
     fn value_names(&self, params: &Params) -> Result<Vec<String>> {
-        let depths = shares(params)?.iter();
+        let shares = shares(params)?;
+        let storage = Storage::new(params)?;
+        if storage == Storage::Packed {
+            let words = 1..=packed_bits(shares).len();
+            return Ok(words.map(|i| format!("word {i}")).collect());
+        }
+        let depths = shares.iter();
         let depths = depths.map(|q| format!("depth of {:.0} % absorbed", 100.0 * q));
-        Ok(["absorbed light".to_owned()]
-            .into_iter()
-            .chain(depths)
-            .collect())
+        let absorbed = ["absorbed light".to_owned()];
+        Ok(absorbed.into_iter().chain(depths).collect())
     }
 
     fn plan(&self, params: &Params) -> Result<Plan> {
-        let numbers = match params.choice("storage")? {
-            "unorm16" => MapNumbers::Unorm16,
-            _ => MapNumbers::Float,
+        let shares = shares(params)?;
+        let storage = Storage::new(params)?;
+        let quantiles = shares.len() as u32 + 1;
+        let (values, numbers) = match storage {
+            Storage::Floats => (quantiles, MapNumbers::Float),
+            Storage::Fractions => (quantiles, MapNumbers::Unorm16),
+            Storage::Packed => (packed_bits(shares).len() as u32, MapNumbers::Word),
         };
-        let values = shares(params)?.len() as u32 + 1;
-        let mut plan = Plan::of(MapLayout::Array { values, numbers });
+        let map = MapPlan::of(MapLayout::Array { values, numbers });
+        let mut defs = Defs::new();
         let steps = params.int("steps")?;
         if steps <= MOST_KEPT {
-            plan.defs
-                .insert("KEPT_STEPS".to_owned(), Some(steps.cast_signed()));
+            defs.insert("KEPT_STEPS".to_owned(), Some(steps.cast_signed()));
         }
-        Ok(plan)
+        Ok(Plan {
+            map: Some(map),
+            defs,
+        })
     }
 
     fn homogeneous_error(&self) -> f64 {
@@ -127,7 +147,7 @@ const MOST_KEPT: u32 = 128;
 const NARROWEST: f64 = 1e-6;
 
 /// Shares of the absorbed light whose depths are kept.
-fn shares(params: &Params) -> Result<&'static [f64]> {
+pub fn shares(params: &Params) -> Result<&'static [f64]> {
     Ok(match params.choice("quantiles")? {
         "two" => &[0.25, 0.75],
         "six" => &[0.10, 0.27, 0.45, 0.63, 0.80, 0.93],
@@ -135,9 +155,66 @@ fn shares(params: &Params) -> Result<&'static [f64]> {
     })
 }
 
+/// Storage of a texel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Storage {
+    Floats,
+    /// Fractions of 16 bits.
+    Fractions,
+    /// Words: the root of A, the first depth, and for each further depth the root of its share of the way to the end.
+    Packed,
+}
+
+impl Storage {
+    /// Refuses a look-up that interpolates what only its texel can read.
+    fn new(params: &Params) -> Result<Self> {
+        let storage = match params.choice("storage")? {
+            "unorm16" => Self::Fractions,
+            "packed" => Self::Packed,
+            _ => Self::Floats,
+        };
+        let interpolated = params.choice("lookup")? == "hardware";
+        if interpolated && storage == Self::Packed {
+            return Err(Error::input(
+                "method `alq`",
+                "`lookup=hardware` interpolates stored values, which `storage=packed` does not allow",
+                "Use `lookup=blend` or `lookup=nearest`, or another storage.",
+            ));
+        }
+        Ok(storage)
+    }
+}
+
+/// Bits of a texel's numbers, word by word, from the lowest on: root of A, first depth, roots of shares.
+fn packed_bits(shares: &[f64]) -> &'static [&'static [u32]] {
+    match shares.len() {
+        2 => &[&[8, 16, 8]],
+        3 => &[&[8, 10, 7, 7]],
+        _ => &[&[8, 16, 8], &[8, 8, 8, 8]],
+    }
+}
+
 /// V = 1 − A·Q(d).
 struct Quantiles {
     shares: &'static [f64],
+    storage: Storage,
+}
+
+impl Quantiles {
+    /// A texel after packing and unpacking.
+    fn packed(&self, values: &[f64]) -> Vec<f64> {
+        let bits = packed_bits(self.shares).concat();
+        let most = |i: usize| f64::from((1u32 << bits[i]) - 1);
+        let mut depth = fraction(values[1], most(1));
+        let mut out = vec![fraction(values[0].sqrt(), most(0)).powi(2), depth];
+        for (i, wanted) in values.iter().enumerate().skip(2) {
+            let rest = 1.0 - depth;
+            let share = ((wanted - depth) / rest.max(1e-20)).max(0.0);
+            depth += fraction(share.sqrt(), most(i)).powi(2) * rest;
+            out.push(depth);
+        }
+        out
+    }
 }
 
 impl Encoding for Quantiles {
@@ -157,6 +234,13 @@ impl Encoding for Quantiles {
         };
         let depths = self.shares.iter().map(depth);
         [absorbed].into_iter().chain(depths).collect()
+    }
+
+    fn stored(&self, values: Vec<f64>, rounding: &Rounding) -> Vec<f64> {
+        match (self.storage, rounding.storage) {
+            (Storage::Packed, FloatFormat::Packed) => self.packed(&values),
+            _ => values.iter().map(|value| rounding.stored(*value)).collect(),
+        }
     }
 
     fn transmittance(&self, values: &[f64], look_up: LookUp, rounding: &Rounding) -> f64 {

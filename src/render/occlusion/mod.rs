@@ -37,6 +37,7 @@ mod tests;
 mod tfm;
 mod truth;
 
+pub use alq::shares as quantile_shares;
 pub use fom::thickness_of_opacity;
 pub use info::{Marker, MethodInfo, Role, Trial, Trials, trial};
 use map_params::{FORM, FRONT, map_rows};
