@@ -18,6 +18,7 @@ const TRIALS: Trials = Trials {
         trial("sampling=end", ""),
         trial("fit=warped", "fit=warped warp_exponent=0.5"),
         trial("near_steps=3 near_m=0.2", "near_steps=3 near_m=0.1"),
+        trial("column_end=dark", ""),
     ],
     clouds: &[
         trial("", "sampling=end"),
@@ -27,6 +28,7 @@ const TRIALS: Trials = Trials {
     texels: &[
         trial("", "sampling=end"),
         trial("fit=axes", ""),
+        trial("placement=occupied", ""),
         trial("fit=warped placement=occupied", "fit=axes"),
     ],
     exact: &[""],

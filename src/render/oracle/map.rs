@@ -8,8 +8,7 @@ use super::{Options, Oracle};
 use crate::error::{Error, Result};
 use crate::occlusion::plan::MapLayout;
 use crate::occlusion::rounding::Rounding;
-use crate::occlusion::spans::{Spans, part_m};
-use crate::occlusion::twin::{Column, Encoding, LookUp, NearMarch};
+use crate::occlusion::twin::{Column, ColumnRules, Encoding, LookUp, NearMarch};
 use crate::occlusion::{MethodSetup, Plan};
 use crate::scene::Container;
 use crate::scene::MapRectangle;
@@ -66,10 +65,7 @@ pub(super) struct LightMap {
     skip: bool,
     sun: DVec3,
     resolution: u32,
-    steps: u32,
-    sampling: &'static str,
-    /// Samples lie in what may hold medium.
-    placed: bool,
+    columns: ColumnRules,
     rule: Rule,
     encoding: Box<dyn Encoding>,
     rounding: Rounding,
@@ -107,9 +103,7 @@ impl LightMap {
             skip: options.skip,
             sun: oracle.sun,
             resolution,
-            steps: setup.params.int("steps")?,
-            sampling: setup.params.choice("sampling")?,
-            placed: setup.params.choice("placement")? == "occupied",
+            columns: ColumnRules::new(&setup.params)?,
             rule: Rule::new(setup, &plan)?,
             encoding,
             rounding: options.rounding,
@@ -244,11 +238,8 @@ impl LightMap {
             ray: self.column(at.map(|i| (f64::from(i) + 0.5) / self.edge())),
             samples: &samples,
         };
-        let spans = self
-            .placed
-            .then(|| Spans::walk(&ray, part_m(self.field.cell_m(), self.rectangle.depth_m)));
-        let depth_m = self.rectangle.depth_m;
-        let column = Column::march(&ray, self.steps, self.sampling, spans, depth_m);
+        let (cell_m, depth_m) = (self.field.cell_m(), self.rectangle.depth_m);
+        let column = Column::march(&ray, &self.columns, cell_m, depth_m);
         let values = self.encoding.encode(&column, &self.rounding);
         Texel {
             values: self.encoding.stored(values, &self.rounding).into(),

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::gpu::{Gpu, Inputs, Resource, UniformValue};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::plan::WARP_BYTES;
-use crate::occlusion::spans::part_m;
+use crate::occlusion::spans::Grain;
 use crate::scene::{MapRectangle, MapWarp};
 
 /// Offers the geometry of a map to its passes and to the view march. `cell_m` is the edge of the cells of the grid of empty
@@ -19,8 +19,9 @@ pub(super) fn offer_geometry(
     inputs: &mut Inputs,
 ) -> Result<()> {
     let mut members = map_uniform(rectangle, storage.resolution, setup)?;
-    let part_m = part_m(cell_m, rectangle.depth_m);
+    let Grain { part_m, step_m } = Grain::new(cell_m, rectangle.depth_m);
     members.push(("part_m", UniformValue::F32(part_m as f32)));
+    members.push(("shortest_step_m", UniformValue::F32(step_m as f32)));
     inputs.uniform("map", members);
     if let Some(warp) = &rectangle.warp {
         let buffer = gpu.buffer("warp", &warp_table(warp), wgpu::BufferUsages::STORAGE);
