@@ -90,7 +90,6 @@ const TRIALS: Trials = Trials {
         trial("sampling=jittered", "sampling=midpoint"),
         // Cells of the small volume are too large for parts of a ray to be empty.
         trial("placement=occupied", "placement=even"),
-        trial("placement=occupied sampling=end", "sampling=end"),
     ],
     texels: &[],
     exact: &[""],
