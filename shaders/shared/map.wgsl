@@ -24,7 +24,8 @@ struct Map {
     steps: u32,         // samples a column
     near_steps: u32,    // marched before the map is asked
     near_m: f32,        // their reach
-    part_m: f32,        // longest part of a column that is occupied or empty as a whole (spans.wgsl)
+    part_m: f32,        // from look-up to look-up where a column may hold medium (spans.wgsl)
+    shortest_step_m: f32,   // of a column whose steps are placed; 0 = any
 #ifdef CASCADES
     camera_m: vec3f,        // from which the rectangles were laid
 #endif

@@ -1,22 +1,25 @@
-// The part of a ray through the layer that may hold medium, found in the occupancy grid, as a row of P bits.
+// The spans of a ray through the layer that may hold medium, found in the occupancy grid.
 //
-//   P = ⌈L/part_m⌉, at most MOST_PARTS;  part i = [i, i + 1]·L/P
-//   empty: covered whole by a provably empty sphere around its own middle or that of a part before it
-//   position of x in [0, c] occupied parts: x travels through the occupied parts alone, c of them
+//   at s: the provably empty sphere around it has radius r;  r ≥ ¼ part: on to s + r;  else [s, s + part) is occupied
+//   position of x in [0, c] metres of the spans alone: s = start_i + (x − before_i), i the last span with before_i ≤ x
 //
-// Sequential: positions asked for in growing order cost a few bit operations each.
-// Cost: one unfiltered 3-D fetch for each occupied part, and one for each empty sphere.
-#import layer::{LayerRay, layer_length, point_at}
+// Sequential: positions asked for in growing order cost an addition each. A ray has at most MOST_SPANS spans: the last one
+// holds the gaps of what would be more.
+// Cost: one unfiltered 3-D fetch, about half a density sample, for each occupied part, and one for each empty sphere.
+#import layer::{LayerRay, point_at}
 #import density::empty_distance
 
-const MOST_PARTS: u32 = 512u;
-const WORDS: u32 = 16u;
+const MOST_PARTS: f32 = 512.0;
+const LEAST_GAP: f32 = 0.25;    // parts
+const MOST_SPANS: u32 = 16u;
 
-var<private> parts: u32;                    // P
-var<private> occupied: array<u32, WORDS>;   // bit i % 32 of word i / 32: part i
-var<private> word: u32;                     // where the last position was found
-var<private> passed: u32;                   // occupied parts before it
-var<private> rest: u32;                     // bits of the word that are not passed
+var<private> spans: u32;
+var<private> start_m: array<f32, MOST_SPANS>;
+var<private> before_m: array<f32, MOST_SPANS>;     // metres of the spans before each
+var<private> entered: u32;      // span of the last position
+var<private> low_m: f32;        // positions in [low_m, high_m) are in it
+var<private> high_m: f32;
+var<private> shift_m: f32;      // gaps before them
 
 // How far around s the ray is provably empty; below 0 where it may hold medium. Never across a gap of the layer.
 fn empty_reach(ray: LayerRay, s: f32) -> f32 {
@@ -24,62 +27,70 @@ fn empty_reach(ray: LayerRay, s: f32) -> f32 {
     return min(reach, abs(ray.length_m.x - s));
 }
 
-// Marks the occupied parts of a ray of length_m; their number.
-fn mark_occupied(ray: LayerRay, length_m: f32, longest_part_m: f32) -> u32 {
-    parts = u32(clamp(ceil(length_m / max(longest_part_m, 1e-20)), 1.0, f32(MOST_PARTS)));
-    let part_m = length_m / f32(parts);
-    for (var w = 0u; w < WORDS; w++) {
-        occupied[w] = 0u;
-    }
-    var count = 0u;
-    var i = 0u;
-    while i < parts && length_m > 0.0 {
-        let reach = empty_reach(ray, (f32(i) + 0.5) * part_m) / part_m - 0.5;
-        if reach < 0.0 {
-            occupied[i / 32u] |= 1u << (i % 32u);
-            count += 1u;
-            i += 1u;
-        } else {
-            i += 1u + u32(min(reach, 65536.0));
+// Finds the spans of the first length_m of a ray; their length in metres.
+fn mark_occupied(ray: LayerRay, length_m: f32, wanted_part_m: f32) -> f32 {
+    let part_m = max(wanted_part_m, length_m / MOST_PARTS);
+    var s = 0.0;
+    var end = -1.0;
+    var total = 0.0;
+    spans = 0u;
+    low_m = 0.0;
+    high_m = 0.0;
+    while s < length_m {
+        let reach = empty_reach(ray, s);
+        if reach >= LEAST_GAP * part_m {
+            s += reach;
+            continue;
         }
+        let next = min(s + part_m, length_m);
+        if s > end {
+            if spans < MOST_SPANS {
+                start_m[spans] = s;
+                before_m[spans] = total;
+                spans += 1u;
+            } else {
+                total += s - end;
+            }
+        }
+        total += next - s;
+        end = next;
+        s = next;
     }
-    restart();
-    return count;
+    return total;
 }
 
-fn restart() {
-    word = 0u;
-    passed = 0u;
-    rest = occupied[0];
+// Where on the ray x metres of its spans end. There must be one.
+fn occupied_position(x: f32) -> f32 {
+    if x < low_m || x >= high_m {
+        enter(x);
+    }
+    return x + shift_m;
 }
 
-// Where x of `count` > 0 occupied parts lies, in parts of the whole ray.
-fn occupied_position(x: f32, count: u32) -> f32 {
-    let wanted = min(u32(max(x, 0.0)), count - 1u);
-    if wanted < passed {
-        restart();
+fn enter(x: f32) {
+    if x < low_m || high_m == 0.0 {
+        entered = 0u;
     }
-    while passed + countOneBits(rest) <= wanted {
-        passed += countOneBits(rest);
-        word += 1u;
-        rest = occupied[word];
+    while entered + 1u < spans && x >= before_m[entered + 1u] {
+        entered += 1u;
     }
-    while passed < wanted {
-        rest &= rest - 1u;
-        passed += 1u;
+    low_m = before_m[entered];
+    high_m = 1e30;
+    if entered + 1u < spans {
+        high_m = before_m[entered + 1u];
     }
-    return f32(word * 32u + firstTrailingBit(rest)) + (x - f32(wanted));
+    shift_m = start_m[entered] - low_m;
 }
 
-// The inverse: occupied parts before a position in parts of the whole ray.
-fn occupied_before(position: f32) -> f32 {
-    let i = min(u32(max(position, 0.0)), parts - 1u);
-    var count = 0u;
-    for (var w = 0u; w < i / 32u; w++) {
-        count += countOneBits(occupied[w]);
+// The inverse: metres of the spans, `total` in all, before a position on the ray.
+fn occupied_before(position: f32, total: f32) -> f32 {
+    var before = 0.0;
+    for (var i = 0u; i < spans && start_m[i] < position; i++) {
+        var end = total;
+        if i + 1u < spans {
+            end = before_m[i + 1u];
+        }
+        before = min(before_m[i] + position - start_m[i], end);
     }
-    let own = occupied[i / 32u];
-    let bit = 1u << (i % 32u);
-    count += countOneBits(own & (bit - 1u));
-    return f32(count) + select(0.0, saturate(position - f32(i)), (own & bit) != 0u);
+    return before;
 }

@@ -2,7 +2,7 @@
 
 use occlab::occlusion::MethodSetup;
 use occlab::occlusion::rounding::Rounding;
-use occlab::occlusion::twin::{Column, LightRay, LookUp, Twin};
+use occlab::occlusion::twin::{Column, ColumnRules, LightRay, LookUp, Twin};
 
 /// A light ray whose extinction is a formula.
 pub struct Formula<F> {
@@ -36,7 +36,12 @@ pub fn mapped(setup: &MethodSetup, ray: &dyn LightRay, depth_m: f64) -> f64 {
         setup.params.int("steps").unwrap(),
         setup.params.choice("sampling").unwrap(),
     );
-    let column = Column::march(ray, steps, sampling, None, ray.length_m());
+    let column = Column::march(
+        ray,
+        &ColumnRules::even(steps, sampling),
+        None,
+        ray.length_m(),
+    );
     let values = map.encode(&column, &Rounding::EXACT);
     let look_up = LookUp {
         depth: depth_m / ray.length_m(),

@@ -4,7 +4,7 @@ mod device;
 
 use crate::error::{Error, Result};
 use crate::occlusion::rounding::Rounding;
-use crate::occlusion::twin::{Column, Encoding, LightRay, LookUp, Twin};
+use crate::occlusion::twin::{Column, ColumnRules, Encoding, LightRay, LookUp, Twin};
 use crate::occlusion::{MethodSetup, thickness_of_opacity};
 use crate::raymarch::Renderer;
 use device::DeviceSearch;
@@ -110,7 +110,7 @@ impl Map {
 
     /// Values that a texel stores for a column of 100 steps.
     fn stored(&self, ray: &Slab, rounding: &Rounding) -> Vec<f64> {
-        let column = Column::march(ray, 100, "midpoint", None, 1.0);
+        let column = Column::march(ray, &ColumnRules::even(100, "midpoint"), None, 1.0);
         let values = self.encoding.encode(&column, rounding);
         self.encoding.stored(values, rounding)
     }

@@ -46,12 +46,10 @@ const TRIALS: Trials = Trials {
         trial("nodes=5 lookup=hardware", "nodes=5"),
         trial("sampling=end", ""),
     ],
-    clouds: &[
-        trial("nodes=4", "nodes=4 between=exponential"),
-        trial("placement=occupied", "placement=occupied sampling=end"),
-    ],
+    clouds: &[trial("nodes=4", "nodes=4 between=exponential")],
     // Few steps: which of two nodes goes is open to rounding where their areas are nearly equal.
     texels: &[
+        trial("placement=occupied", "placement=occupied sampling=end"),
         trial("steps=16", "steps=16 sampling=end"),
         trial("steps=24 nodes=4", "steps=24 nodes=4 sampling=end"),
         trial("steps=20 nodes=5 fit=axes", "steps=20 nodes=5"),

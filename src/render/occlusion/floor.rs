@@ -20,6 +20,7 @@ const TRIALS: Trials = Trials {
         trial("near_steps=3 near_m=0.2", "near_steps=3 near_m=0.1"),
         trial("cascades=3", "cascades=3 cascade_ratio=0.5"),
         trial("fill_frames=4", "fill_frames=4 sampling=end"),
+        trial("column_end=dark", ""),
     ],
     clouds: &[
         trial("", "sampling=end"),
@@ -31,6 +32,7 @@ const TRIALS: Trials = Trials {
     texels: &[
         trial("", "sampling=end"),
         trial("fit=axes", ""),
+        trial("placement=occupied", ""),
         trial("fit=warped placement=occupied", "fit=axes"),
         trial("cascades=3", "cascades=3 cascade_ratio=0.6"),
         trial("fit=warped cascades=2 fill_frames=2", "fit=axes cascades=2"),

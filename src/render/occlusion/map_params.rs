@@ -10,6 +10,7 @@ pub const GEOMETRY: &[ParamSpec] = &[
     STEPS,
     SAMPLING,
     PLACEMENT,
+    COLUMN_END,
     FIT,
     WARP_EXPONENT,
     CASCADES,
@@ -123,10 +124,23 @@ const SAMPLING: ParamSpec = ParamSpec {
 const PLACEMENT: ParamSpec = ParamSpec {
     name: "placement",
     unit: "",
-    doc: "Where a column's steps lie: even = over its whole length; occupied = only where it may hold medium.",
+    doc: "Where a column's steps lie: even = over its whole length; occupied = only where it may hold medium, and fewer where they would be shorter than ¾ of a cell of the grid of empty space.",
     kind: ParamKind::Choice {
         options: &["even", "occupied"],
         default: "even",
+    },
+    applies: Applies::Always,
+    as_printed: &[],
+};
+
+/// Where a column ends.
+const COLUMN_END: ParamSpec = ParamSpec {
+    name: "column_end",
+    unit: "",
+    doc: "Where a column's march ends: layer = at the end of the layer or the ground; dark = at the latest where T has fallen below 2⁻⁸, so that what lies behind casts no shadow of its own.",
+    kind: ParamKind::Choice {
+        options: &["layer", "dark"],
+        default: "layer",
     },
     applies: Applies::Always,
     as_printed: &[],

@@ -2,6 +2,7 @@
 
 use super::LightOcclusion;
 use super::info::{Marker, MethodInfo, Role, Trials, trial};
+use super::spans::{LEAST_GAP, Spanned, Spans};
 use super::twin::{LightMarch, LightRay, Twin, march};
 use crate::error::Result;
 use crate::param::{Applies, ParamKind, ParamSpec, Params};
@@ -59,6 +60,17 @@ const PARAMS: &[ParamSpec] = &[
         applies: Applies::Always,
         as_printed: &[],
     },
+    ParamSpec {
+        name: "placement",
+        unit: "",
+        doc: "Where a ray's samples lie: even = spaced over its whole length; occupied = over what may hold medium alone, so that none is spent on provably empty space.",
+        kind: ParamKind::Choice {
+            options: &["even", "occupied"],
+            default: "even",
+        },
+        applies: Applies::Always,
+        as_printed: &[],
+    },
 ];
 
 const TRIALS: Trials = Trials {
@@ -76,6 +88,8 @@ const TRIALS: Trials = Trials {
     clouds: &[
         trial("", "steps=9"),
         trial("sampling=jittered", "sampling=midpoint"),
+        // Cells of the small volume are too large for parts of a ray to be empty.
+        trial("placement=occupied", "placement=even"),
     ],
     texels: &[],
     exact: &[""],
@@ -109,13 +123,21 @@ impl LightOcclusion for Srm {
             spacing: params.choice("spacing")?,
             reach_m: params.number("reach_m")?,
             sampling: params.choice("sampling")?,
+            placed: params.choice("placement")? == "occupied",
         })))
     }
 
     fn light_turns(&self, params: &Params, _longest_path_m: f64) -> Result<f64> {
-        params.number("steps")
+        let walk = match params.choice("placement")? {
+            "occupied" => PARTS / LEAST_GAP,
+            _ => 0.0,
+        };
+        Ok(params.number("steps")? + walk)
     }
 }
+
+/// Parts of a ray in which medium is looked for.
+const PARTS: f64 = 24.0;
 
 /// V = exp(−Σ σ(p + ω sₖ) Δₖ).
 struct SecondaryMarch {
@@ -123,6 +145,7 @@ struct SecondaryMarch {
     spacing: &'static str,
     reach_m: f64,
     sampling: &'static str,
+    placed: bool,
 }
 
 impl LightMarch for SecondaryMarch {
@@ -144,6 +167,11 @@ impl LightMarch for SecondaryMarch {
             "jittered" => rnd,
             _ => 0.5,
         };
-        march(ray, length_m, self.steps, boundary, fraction)
+        if !self.placed {
+            return march(ray, length_m, self.steps, boundary, fraction);
+        }
+        let spans = Spans::walk(ray, length_m, length_m / PARTS);
+        let spanned = Spanned { ray, spans: &spans };
+        march(&spanned, spans.occupied_m(), self.steps, boundary, fraction)
     }
 }

@@ -1,19 +1,24 @@
 //! Every parameter applies exactly where it changes V at some depth of some column.
 
 use super::rounding::Rounding;
-use super::twin::{Column, LightRay, LookUp, Twin};
+use super::twin::{Column, ColumnRules, LightRay, LookUp, Twin};
 use super::{MethodSetup, REGISTRY};
 use crate::param::{Applies, ParamKind, ParamSpec, ParamValue, Params};
 
-/// Parameters that act between texels: a single column does not depend on them.
-const OF_THE_MAP: [&str; 8] = [
+/// Parameters that act between texels, so that a single column does not depend on them, or between the samples of a
+/// column, so that not every method does.
+const OF_THE_MAP: &[&str] = &[
     "resolution",
     "lookup",
     "fit",
     "warp_exponent",
+    "cascades",
+    "cascade_ratio",
     "placement",
+    "column_end",
     "near_steps",
     "near_m",
+    "fill_frames",
     "blur_texels",
 ];
 
@@ -55,7 +60,8 @@ fn along(way: &Way, setup: &MethodSetup) -> Vec<u64> {
                 storage: setup.stored_format().unwrap().unwrap(),
                 ..Rounding::device("f32", false)
             };
-            let column = Column::of_map(way, params, 3917.3).unwrap();
+            let rules = ColumnRules::new(params).unwrap();
+            let column = Column::march(way, &rules, None, 3917.3);
             let stored = map.stored(map.encode(&column, &rounding), &rounding);
             let at = |depth| LookUp {
                 depth,

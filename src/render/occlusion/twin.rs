@@ -7,7 +7,7 @@ use super::MethodSetup;
 #[cfg(doc)]
 use super::rounding::FloatFormat;
 use super::rounding::Rounding;
-use super::spans::{Spans, part_m};
+use super::spans::{Grain, Spans};
 use crate::error::Result;
 use crate::param::Params;
 
@@ -15,6 +15,8 @@ use crate::param::Params;
 pub const OPAQUE_TAU: f64 = 36.736_800_569_677_1;
 /// Transmittance below which a column's cloud begins (thesis M).
 const FRONT_TRANSMITTANCE: f64 = 0.99;
+/// Optical depth behind which a column with `column_end=dark` takes no sample: T = 2⁻⁸.
+const DARK_TAU: f64 = 8.0 * std::f64::consts::LN_2;
 /// Steps of the fallback march outside a map.
 const FALLBACK_STEPS: u32 = 6;
 
@@ -104,8 +106,43 @@ pub struct Column {
     pub spans: Option<Spans>,
     /// Position of a sample in its step: 0.5 midpoint, 1 far end, 0 near end.
     pub fraction: f64,
-    /// Extinction of each step, m⁻¹.
+    /// Extinction of each step, m⁻¹; 0 where the column takes fewer samples than it may.
     pub extinction_per_m: Vec<f64>,
+}
+
+/// How the columns of a map are marched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ColumnRules {
+    /// Most steps.
+    steps: u32,
+    /// Parameter `sampling`.
+    sampling: &'static str,
+    /// Steps lie in what may hold medium.
+    placed: bool,
+    /// Nothing is sampled behind the depth where T falls below [`DARK_TAU`].
+    ends_dark: bool,
+}
+
+impl ColumnRules {
+    /// Equal steps over the whole column.
+    pub fn even(steps: u32, sampling: &'static str) -> Self {
+        Self {
+            steps,
+            sampling,
+            placed: false,
+            ends_dark: false,
+        }
+    }
+
+    /// Reads the parameters of a map.
+    pub fn new(params: &Params) -> Result<Self> {
+        Ok(Self {
+            steps: params.int("steps")?,
+            sampling: params.choice("sampling")?,
+            placed: params.choice("placement")? == "occupied",
+            ends_dark: params.choice("column_end")? == "dark",
+        })
+    }
 }
 
 /// Definition of a column's front, where its cloud begins.
@@ -131,51 +168,56 @@ impl Front {
 }
 
 impl Column {
-    /// Marches `ray` as the parameters `steps`, `sampling` and `placement` of a map say.
-    pub fn of_map(ray: &dyn LightRay, params: &Params, depth_m: f64) -> Result<Self> {
-        let spans = match params.choice("placement")? {
-            "occupied" => Some(Spans::walk(ray, part_m(None, depth_m))),
-            _ => None,
-        };
-        let (steps, sampling) = (params.int("steps")?, params.choice("sampling")?);
-        Ok(Self::march(ray, steps, sampling, spans, depth_m))
-    }
-
-    /// Marches `ray` in `steps` equal steps, over `spans` where given; `sampling` is `midpoint`, `end` or `quadratic` (see
-    /// the map's parameter).
+    /// Marches `ray` as a map's parameters say, in a map whose longest column is `depth_m`. `cell_m` is the edge of the
+    /// cells of the grid of empty space, where there is one.
     pub fn march(
         ray: &dyn LightRay,
-        steps: u32,
-        sampling: &str,
-        spans: Option<Spans>,
+        rules: &ColumnRules,
+        cell_m: Option<f64>,
         depth_m: f64,
     ) -> Self {
         let length_m = ray.length_m();
-        let n = f64::from(steps);
-        let step_m = spans.as_ref().map_or(length_m, Spans::occupied_m) / n;
-        let fraction = match sampling {
+        let grain = Grain::new(cell_m, depth_m);
+        let spans = rules
+            .placed
+            .then(|| Spans::walk(ray, length_m, grain.part_m));
+        let (taken, marched_m) = match &spans {
+            None => (rules.steps, length_m),
+            Some(spans) => {
+                let occupied_m = spans.occupied_m();
+                (grain.steps(rules.steps, occupied_m), occupied_m)
+            }
+        };
+        let n = f64::from(taken.max(1));
+        let step_m = marched_m / n;
+        let fraction = match rules.sampling {
             "end" => 1.0,
             "quadratic" => 0.0,
             _ => 0.5,
         };
-        let travelled = |k: f64| match sampling {
+        let travelled = |k: f64| match rules.sampling {
             "quadratic" => k * (k + 1.0) / (n - 1.0).max(1.0),
             _ => k + fraction,
         };
         let position_m = |x: f64| match &spans {
             None => x * step_m,
-            Some(spans) => spans.position_m(x / n),
+            Some(spans) => spans.position_m(x * step_m),
         };
-        let sample = |k: u32| match step_m > 0.0 || spans.is_none() {
-            true => ray.extinction_per_m(position_m(travelled(f64::from(k)))),
-            false => 0.0,
-        };
+        let mut extinction_per_m = vec![0.0; rules.steps as usize];
+        let mut tau = 0.0;
+        for (k, sigma) in extinction_per_m.iter_mut().take(taken as usize).enumerate() {
+            if rules.ends_dark && tau > DARK_TAU {
+                break;
+            }
+            *sigma = ray.extinction_per_m(position_m(travelled(k as f64)));
+            tau += *sigma * step_m;
+        }
         Self {
             length_m,
             depth_m,
             step_m,
             fraction,
-            extinction_per_m: (0..steps).map(sample).collect(),
+            extinction_per_m,
             spans,
         }
     }
@@ -185,17 +227,18 @@ impl Column {
         let x = k as f64 + fraction;
         match &self.spans {
             None => x * self.step_m / self.depth_m,
-            Some(spans) => spans.position_m(x / self.extinction_per_m.len() as f64) / self.depth_m,
+            Some(spans) => spans.position_m(x * self.step_m) / self.depth_m,
         }
     }
 
     /// Optical depth before `depth_m` metres, extinction constant over a step.
     pub fn optical_depth_before(&self, depth_m: f64) -> f64 {
         let n = self.extinction_per_m.len();
-        let steps = match &self.spans {
-            None => depth_m / self.step_m.max(1e-300),
-            Some(spans) => spans.share_before(depth_m) * n as f64,
+        let marched_m = match &self.spans {
+            None => depth_m,
+            Some(spans) => spans.before_m(depth_m),
         };
+        let steps = marched_m / self.step_m.max(1e-300);
         let steps = steps.clamp(0.0, n as f64);
         let whole = (steps as usize).min(n - 1);
         let before: f64 = self.thicknesses().take(whole).sum();

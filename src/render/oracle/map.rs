@@ -8,8 +8,7 @@ use super::{Options, Oracle};
 use crate::error::{Error, Result};
 use crate::occlusion::plan::MapLayout;
 use crate::occlusion::rounding::Rounding;
-use crate::occlusion::spans::{Spans, part_m};
-use crate::occlusion::twin::{Column, Encoding, LookUp, NearMarch};
+use crate::occlusion::twin::{Column, ColumnRules, Encoding, LookUp, NearMarch};
 use crate::occlusion::{MethodSetup, Plan};
 use crate::scene::Container;
 use crate::scene::{MapCascades, MapPlace};
@@ -95,10 +94,7 @@ pub(super) struct LightMap {
     /// Direction toward the sun when the map was filled.
     pub sun: DVec3,
     resolution: u32,
-    steps: u32,
-    sampling: &'static str,
-    /// Samples lie in what may hold medium.
-    placed: bool,
+    rules: ColumnRules,
     rule: Rule,
     encoding: Box<dyn Encoding>,
     rounding: Rounding,
@@ -144,9 +140,7 @@ impl LightMap {
             skip: options.skip,
             sun: oracle.sun,
             resolution,
-            steps: setup.params.int("steps")?,
-            sampling: setup.params.choice("sampling")?,
-            placed: setup.params.choice("placement")? == "occupied",
+            rules: ColumnRules::new(&setup.params)?,
             rule: Rule::new(setup, &plan)?,
             encoding,
             rounding: options.rounding,
@@ -324,11 +318,8 @@ impl LightMap {
             ray: self.column(cascade, at.map(|i| (f64::from(i) + 0.5) / self.edge())),
             samples: &samples,
         };
-        let spans = self
-            .placed
-            .then(|| Spans::walk(&ray, part_m(self.field.cell_m(), self.depth_m())));
-        let depth_m = self.depth_m();
-        let column = Column::march(&ray, self.steps, self.sampling, spans, depth_m);
+        let (cell_m, depth_m) = (self.field.cell_m(), self.depth_m());
+        let column = Column::march(&ray, &self.rules, cell_m, depth_m);
         let values = self.encoding.encode(&column, &self.rounding);
         Texel {
             values: self.encoding.stored(values, &self.rounding).into(),

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::gpu::{Gpu, Inputs, Resource, UniformValue};
 use crate::occlusion::MethodSetup;
 use crate::occlusion::plan::WARP_BYTES;
-use crate::occlusion::spans::part_m;
+use crate::occlusion::spans::Grain;
 use crate::scene::{MapCascades, MapRectangle, MapWarp, Scene};
 use glam::DVec3;
 
@@ -22,8 +22,9 @@ pub(super) fn offer_geometry(
     let rectangles = cascades.rectangles();
     let whole = &rectangles[rectangles.len() - 1];
     let mut members = map_uniform(whole, setup, scene)?;
-    let part_m = part_m(cell_m, cascades.depth_m());
+    let Grain { part_m, step_m } = Grain::new(cell_m, cascades.depth_m());
     members.push(("part_m", UniformValue::F32(part_m as f32)));
+    members.push(("shortest_step_m", UniformValue::F32(step_m as f32)));
     inputs.uniform("map", members);
     let warps = rectangles.iter().filter_map(|r| r.warp.as_ref());
     let tables: Vec<u8> = warps.flat_map(warp_table).collect();
