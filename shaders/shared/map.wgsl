@@ -158,7 +158,12 @@ fn column_at(uv: vec2f) -> LayerRay {
 #else
     let plane = map_origin_m() + uv * map_extent_m();
 #endif
-    return layer_ray(plane.x * map.u_axis + plane.y * map.v_axis, -frame.sun_direction, -1e30, 1e30);
+#ifdef FILL_FRAMES
+    let sun_direction = map.sun_direction;
+#else
+    let sun_direction = frame.sun_direction;
+#endif
+    return layer_ray(plane.x * map.u_axis + plane.y * map.v_axis, -sun_direction, -1e30, 1e30);
 }
 
 // Length of the column whose values `fetch` returns.

@@ -83,9 +83,9 @@ fn light_transmittance(p: vec3f, rnd: f32) -> f32 {
     let length_m = layer_length(ray);
 #endif
 #ifdef NEAR_MARCH
-    let near_m = min(map.near_m, length_m);
+    let near_m = min(map.near_m, layer_length(ray));
     let near = exp(-quadratic_depth(ray, near_m, map.near_steps));
-    let far_m = length_m - near_m;
+    let far_m = max(length_m - near_m, 0.0);
 #else
     let near = 1.0;
     let far_m = length_m;

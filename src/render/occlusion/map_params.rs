@@ -241,7 +241,7 @@ const NEAR_REACH: ParamSpec = ParamSpec {
 /// Frames over which the map is filled.
 const FILL_FRAMES: ParamSpec = ParamSpec {
     name: "fill_frames",
-    unit: "frames",
+    unit: "",
     doc: "Frames over which the map is filled, an equal part in each, beside the one that is read meanwhile; 1 = the whole map in every frame. At rest the picture is the same.",
     kind: ParamKind::Int {
         min: 1,

@@ -183,7 +183,8 @@ impl<'a> Occlusion<'a> {
                         LayerRay::new(&scene.container, p, map.sun, along).length_m()
                     }
                 };
-                let far = map.transmittance(places, length_m - near.reach_m(length_m));
+                let far_m = (length_m - near.reach_m(layer.length_m())).max(0.0);
+                let far = map.transmittance(places, far_m);
                 near.transmittance(&ray) * far
             }
         }
