@@ -201,7 +201,14 @@ fn flicker_is_zero_for_the_truth_rounding_for_an_exact_method_and_real_without_s
     assert!(output.status.success(), "{}", stderr(&output));
     let report = report(folder.path());
     assert_eq!(error_of(&report, "truth")["rel_rmse"], json!(0.0));
-    for key in ["flicker", "flicker_sun", "flicker_dolly"] {
+    for key in [
+        "flicker",
+        "flicker_sun",
+        "flicker_dolly",
+        "rel_rmse_pan",
+        "rel_rmse_sun",
+        "rel_rmse_dolly",
+    ] {
         let of = |method| error_of(&report, method)[key].as_f64().unwrap();
         assert_eq!(of("truth"), 0.0, "{key}");
         // In a homogeneous medium any number of steps sums to the same optical depth.
@@ -246,6 +253,38 @@ fn a_run_that_ended_before_its_flicker_adds_it_and_repeats_nothing_else() {
         "times and numbers are the old ones"
     );
     assert_eq!(after["references"], before["references"]);
+}
+
+#[test]
+fn a_map_filled_over_frames_is_measured_in_motion_and_noted_at_rest() {
+    let slow = |flicker: Value| {
+        workplace(|_, e| {
+            e["sun_elevation_deg"] = json!(60);
+            e["flicker"] = flicker;
+            e["methods"] =
+                json!([{"method": "esm", "resolution": 64, "steps": 8, "fill_frames": [1, 8]}]);
+        })
+    };
+    let rest = slow(json!([]));
+    let output = batch(rest.path());
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).contains("Name movements in `flicker`"));
+
+    let moving = slow(json!("sun"));
+    let output = batch(moving.path());
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(!stderr(&output).contains("Name movements"));
+    let report = report(moving.path());
+    let of = |frames: u64| {
+        let cells = report["cells"].as_array().unwrap().iter();
+        let mut cells = cells.filter(|c| c["params"]["fill_frames"] == frames);
+        cells.next().unwrap()["result"].clone()
+    };
+    let (fresh, old) = (of(1), of(8));
+    assert_eq!(fresh["error"]["rel_rmse"], old["error"]["rel_rmse"]);
+    assert_ne!(fresh["error"]["rel_rmse_sun"], old["error"]["rel_rmse_sun"]);
+    let bytes = |cell: &Value| cell["memory"]["map_bytes"].as_u64().unwrap();
+    assert_eq!(bytes(&old), 2 * bytes(&fresh));
 }
 
 #[test]

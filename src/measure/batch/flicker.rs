@@ -10,7 +10,7 @@ use super::cell::setup;
 use super::record::{Cell, Measured, TrackRecord};
 use super::{Event, Observer, Task, stage, tell};
 use crate::backend::View;
-use crate::config::{CellSpec, MatrixView};
+use crate::config::{CellSpec, Experiment, Matrix, MatrixView};
 use crate::cost::Counting;
 use crate::error::{Error, Result};
 use crate::metrics::{ErrorNumbers, Flicker};
@@ -35,6 +35,19 @@ pub(super) fn tracks(task: &Task, matrix: &MatrixView) -> Vec<TrackRecord> {
         step_m: track.step_m(&matrix.scene, matrix.image),
     };
     task.experiment.flicker.iter().map(record).collect()
+}
+
+/// Note on maps that are filled over several frames while nothing moves; `None` where there are none.
+pub(super) fn note_of_rest(experiment: &Experiment, matrix: &Matrix) -> Result<Option<String>> {
+    let mut specs = matrix.views.iter().take(1).flat_map(|view| &view.cells);
+    let slow = specs.try_fold(false, |slow, spec| {
+        Ok::<_, Error>(slow || setup(spec)?.fill_frames() > 1)
+    })?;
+    Ok((slow && experiment.flicker.is_empty()).then(|| {
+        "`fill_frames` shows in times and bytes alone: at rest the picture is that of a map filled at once. Name movements \
+         in `flicker` to measure what the age of a map costs"
+            .to_owned()
+    }))
 }
 
 /// Measures the flicker that the records of a view still lack; returns the seconds spent in passes.

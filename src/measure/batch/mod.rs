@@ -132,7 +132,9 @@ pub fn measure(
         },
     )?;
     let again = plan.differs_from(identity.sources(), &backend.environment().commit);
-    for note in found.iter().chain(&again).chain(&matrix.notes) {
+    let still = flicker::note_of_rest(plan.experiment(), matrix)?;
+    let notes = found.iter().chain(&again).chain(&matrix.notes);
+    for note in notes.chain(&still) {
         tell(observe, Event::Note(note.clone()))?;
     }
     let mut passes_s = 0.0;
