@@ -103,6 +103,44 @@ fn ringing_and_the_clamp_are_marked() {
 }
 
 #[test]
+fn methods_and_their_settings_are_chosen() {
+    let folder = workplace(|_, _| {});
+    let chosen = [
+        "--pixel",
+        "12,8",
+        "-m",
+        "alq",
+        "-m",
+        "srm",
+        "--set",
+        "quantiles=six",
+    ];
+    let output = probe(folder.path(), &chosen);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let (columns, _) = table(&folder.path().join("probe.csv"));
+    assert!(columns.contains_key("alq") && columns.contains_key("srm"));
+    assert!(!columns.contains_key("bsm"));
+    let six = columns["alq"].clone();
+    let svg = std::fs::read_to_string(folder.path().join("probe.svg")).unwrap();
+    assert!(svg.contains("quantiles=six"));
+    assert!(probe(folder.path(), &chosen[..4]).status.success());
+    let (columns, _) = table(&folder.path().join("probe.csv"));
+    assert_ne!(columns["alq"], six, "the setting has no effect");
+    let refuse = |options: &[&str], words: &[&str]| {
+        refused(
+            &probe(folder.path(), &[&chosen[..4], options].concat()),
+            words,
+        );
+    };
+    refuse(
+        &["--set", "spacing=cubic"],
+        &["--set spacing", "none of the methods"],
+    );
+    refuse(&["--set", "quantiles"], &["NAME=VALUE"]);
+    refuse(&["-m", "esmm"], &["no method `esmm`"]);
+}
+
+#[test]
 fn places_that_do_not_exist_are_one_paragraph() {
     let folder = workplace(|_, _| {});
     let refuse = |options: &[&str], words: &[&str]| refused(&probe(folder.path(), options), words);

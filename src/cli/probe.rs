@@ -1,11 +1,14 @@
 //! `occlab probe`.
 
 use super::print_path;
+use super::render::name_and_value;
 use super::scene::SceneOptions;
 use occlab::Error;
+use occlab::occlusion::{MethodSetup, REGISTRY};
 use occlab::oracle::{LightColumn, Oracle};
 use occlab::probe::Probe as Curves;
 use occlab::scene::MapFit;
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
@@ -25,6 +28,12 @@ pub struct ProbeArgs {
     /// Place in the rectangle of the light map, 0…1 each.
     #[arg(long, value_name = "U,V", group = "where", value_parser = pair::<f64>)]
     column: Option<[f64; 2]>,
+    /// Method to draw; may be repeated. Without it, every method.
+    #[arg(long = "method", short, value_name = "ID")]
+    methods: Vec<String>,
+    /// Parameter of those of the methods that have it, e.g. `steps=200`; may be repeated.
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
     /// Chart; the numbers go beside it as .csv.
     #[arg(long, short, value_name = "FILE.svg", default_value = "probe.svg")]
     out: PathBuf,
@@ -54,15 +63,52 @@ impl ProbeArgs {
         }
         let (scene, image) = (self.scene.load()?, self.scene.image()?);
         self.check(image.width, image.height)?;
+        let setups = self.setups()?;
         let oracle = Oracle::new(&scene, image)?;
         let (column, seen_m, place) = self.find(&oracle)?;
-        let curves = Curves::new(&oracle, &column)?;
+        let curves = match self.methods.is_empty() && self.set.is_empty() {
+            true => Curves::new(&oracle, &column)?,
+            false => Curves::of(&oracle, &column, &setups)?,
+        };
         let elevation_deg = scene.sun.elevation_deg;
+        let place = [place].into_iter().chain(self.set.iter().cloned());
+        let place = place.collect::<Vec<_>>().join(" · ");
         let of = format!("{} · sun {elevation_deg}° · {place}", scene.name);
         occlab::report::write_probe(&self.out, &curves, &of, seen_m)?;
         print_path(&self.out.with_extension("csv"))?;
         print_path(&self.out)?;
         Ok(ExitCode::SUCCESS)
+    }
+
+    /// The methods with their settings.
+    fn setups(&self) -> occlab::Result<Vec<MethodSetup>> {
+        let registered = REGISTRY.iter().map(|m| m.info());
+        let others = registered.filter(|info| !info.is_truth());
+        let all = others.map(|info| info.id.to_owned()).collect();
+        let mut ids: Vec<String> = match self.methods.is_empty() {
+            true => all,
+            false => self.methods.clone(),
+        };
+        let mut seen = HashSet::new();
+        ids.retain(|id| seen.insert(id.clone()));
+        let setups = ids.iter().map(|id| MethodSetup::defaults(id));
+        let mut setups: Vec<_> = setups.collect::<occlab::Result<_>>()?;
+        for pair in &self.set {
+            let (name, value) = name_and_value(pair)?;
+            let mut having = setups
+                .iter_mut()
+                .filter(|setup| setup.params.get(name).is_some())
+                .peekable();
+            if having.peek().is_none() {
+                let problem = format!("none of the methods has a parameter `{name}`");
+                let remedy = "`occlab methods` lists the parameters of each.";
+                return Err(Error::input(format!("--set {pair}"), problem, remedy));
+            }
+            for setup in having {
+                *setup = setup.clone().with(name, value)?;
+            }
+        }
+        Ok(setups)
     }
 
     /// Refuses positions that no scene can have, before the scene's clouds are made.

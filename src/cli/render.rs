@@ -85,14 +85,7 @@ impl RenderArgs {
             false => MethodSetup::defaults(&self.method)?,
         };
         for pair in &self.set {
-            let Some((name, value)) = pair.split_once('=') else {
-                return Err(Error::input(
-                    "--set",
-                    format!("`{pair}` is not NAME=VALUE"),
-                    "Write for example --set resolution=512.",
-                )
-                .into());
-            };
+            let (name, value) = name_and_value(pair)?;
             setup = setup.with(name, value)?;
         }
         let named = self.set.iter().filter_map(|pair| pair.split_once('='));
@@ -103,4 +96,12 @@ impl RenderArgs {
         }
         Ok(setup)
     }
+}
+
+/// Splits a value of `--set`.
+pub fn name_and_value(pair: &str) -> occlab::Result<(&str, &str)> {
+    pair.split_once('=').ok_or_else(|| {
+        let problem = format!("`{pair}` is not NAME=VALUE");
+        Error::input("--set", problem, "Write for example --set resolution=512.")
+    })
 }
