@@ -257,21 +257,27 @@ fn a_run_that_ended_before_its_flicker_adds_it_and_repeats_nothing_else() {
 
 #[test]
 fn a_map_filled_over_frames_is_measured_in_motion_and_noted_at_rest() {
-    let slow = |flicker: Value| {
+    let slow = |flicker: Option<&str>| {
         workplace(|_, e| {
             e["sun_elevation_deg"] = json!(60);
-            e["flicker"] = flicker;
+            if let Some(track) = flicker {
+                e["flicker"] = json!(track);
+            }
             e["methods"] =
                 json!([{"method": "esm", "resolution": 64, "steps": 8, "fill_frames": [1, 8]}]);
         })
     };
-    let rest = slow(json!([]));
-    let output = batch(rest.path());
+    let aloud = |folder: &Path| {
+        let run = ["batch", "small.json", "--out", "out"];
+        program::occlab(folder).args(run).output().unwrap()
+    };
+    let rest = slow(None);
+    let output = aloud(rest.path());
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(stderr(&output).contains("Name movements in `flicker`"));
 
-    let moving = slow(json!("sun"));
-    let output = batch(moving.path());
+    let moving = slow(Some("sun"));
+    let output = aloud(moving.path());
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(!stderr(&output).contains("Name movements"));
     let report = report(moving.path());
