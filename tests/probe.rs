@@ -71,7 +71,7 @@ fn the_truth_of_a_column_is_its_closed_form_and_every_method_has_a_curve() {
     }
 }
 
-/// A shell-thin dense layer in an empty box: a Fourier series rings, a Beer map ends at its D_max.
+/// A shell-thin dense layer in an empty box: a Fourier series rings, a Beer map ends at its τ_max.
 #[test]
 fn ringing_and_the_clamp_are_marked() {
     let folder = workplace(|s, _| {
@@ -99,7 +99,7 @@ fn ringing_and_the_clamp_are_marked() {
     assert!(bsm[from..].iter().all(|t| (t - bsm[from]).abs() < 1e-8));
     assert!(bsm[from - 1] > bsm[from] && bsm[from] < 1.0);
     let svg = std::fs::read_to_string(folder.path().join("thin.svg")).unwrap();
-    assert!(svg.contains("D_max") && svg.contains("rises"));
+    assert!(svg.contains("τ_max") && svg.contains("rises"));
 }
 
 #[test]

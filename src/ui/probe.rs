@@ -134,7 +134,7 @@ fn notes(probed: &Probed) -> Vec<String> {
         notes.push("× outside the truth's range".to_owned());
     }
     if has(|c| c.clamped_from.is_some()) {
-        notes.push("diamond: D_max sets in".to_owned());
+        notes.push("diamond: τ_max sets in".to_owned());
     }
     notes
 }

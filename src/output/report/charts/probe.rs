@@ -42,7 +42,7 @@ pub fn chart(probe: &Probe, of: &str, seen_m: Option<f64>) -> Chart {
         of: of.to_owned(),
         data: Data::Plane(plane),
         source: "Computed by the f64 oracle".to_owned(),
-        note: "Methods at their defaults, maps with their own texels, steps and storage."
+        note: "Parameters not named above are at their defaults; maps have their own texels, steps and storage."
             .to_owned(),
     }
 }
@@ -70,7 +70,7 @@ fn marks(probe: &Probe, curve: &MethodCurve) -> Vec<PointSeries> {
     let outside = pairs.filter(|(i, _)| curve.outside[i + 1]);
     let outside = outside.map(|(_, pair)| over([pair[0], pair[1]], 1.0));
     let clamped = curve.clamped_from.map(|from| Point {
-        label: "D_max".to_owned(),
+        label: "τ_max".to_owned(),
         ..Point::at(probe.depths_m[from], curve.transmittance[from])
     });
     vec![
