@@ -2,7 +2,7 @@
 
 use super::app::{App, Slot};
 use super::lower;
-use super::map_grid::{Shape, metres, texel_m};
+use super::map_grid::{Shape, metres, texel_at, texel_m};
 use super::probe;
 use super::view::colour_bar;
 use crate::frame::{FALSE_COLOUR_STOPS, false_colour, is_nonfinite};
@@ -279,13 +279,6 @@ fn picture(app: &mut App, ui: &mut egui::Ui, setup: &MethodSetup) {
     }
 }
 
-fn texel_at(uv: [f64; 2], resolution: u32) -> [u32; 2] {
-    uv.map(|s| {
-        let index = (s * f64::from(resolution)).max(0.0) as u32;
-        index.min(resolution.saturating_sub(1))
-    })
-}
-
 fn about(ui: &mut egui::Ui, painted: &Painted, lines: Option<String>, texel: Option<[u32; 2]>) {
     let texels = &painted.texels;
     let edge = texels.resolution;
@@ -391,11 +384,5 @@ mod tests {
         assert_eq!(of("fom", 9)[..4], ["a0", "a1", "b1", "a2"]);
         assert_eq!(of("fom", 9)[6..], ["b3", "value 7", "value 8"]);
         assert_eq!(of("srm", 0).len(), 1);
-    }
-
-    #[test]
-    fn texels_are_those_under_the_pointer() {
-        assert_eq!(texel_at([0.0, 0.999], 512), [0, 511]);
-        assert_eq!(texel_at([9.0, -0.1], 512), [511, 0]);
     }
 }

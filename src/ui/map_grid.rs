@@ -149,6 +149,14 @@ fn round_step(least: f64) -> f64 {
         .unwrap_or(10.0 * decade)
 }
 
+/// The texel at map coordinates, that of the edge beyond it.
+pub fn texel_at(uv: [f64; 2], resolution: u32) -> [u32; 2] {
+    uv.map(|s| {
+        let index = (s * f64::from(resolution)).max(0.0) as u32;
+        index.min(resolution.saturating_sub(1))
+    })
+}
+
 /// Edges of a texel in the plane, metres.
 pub fn texel_m(map: &MapRectangle, texel: [u32; 2], resolution: u32) -> [f64; 2] {
     let position = |offset: u32| {
@@ -273,5 +281,11 @@ mod tests {
         assert_eq!([500.0, 2000.0].map(length), ["500 m", "2 km"]);
         let lengths = [0.125, 12.5, 4210.0, 123_456.0].map(metres);
         assert_eq!(lengths, ["0.12 m", "12 m", "4.2 km", "123 km"]);
+    }
+
+    #[test]
+    fn texels_are_those_under_the_pointer() {
+        assert_eq!(texel_at([0.0, 0.999], 512), [0, 511]);
+        assert_eq!(texel_at([9.0, -0.1], 512), [511, 0]);
     }
 }

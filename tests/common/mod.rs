@@ -324,6 +324,18 @@ pub fn write_cube(folder: &Path, n: usize, value: impl Fn(usize, usize, usize) -
 }
 
 /// The density of a cube written by [`write_cube`].
+/// A box of cells, two fifths of them lumps of random density, under an oblique sun.
+pub fn lumps(folder: &Path) -> Scene {
+    let value = |x: usize, y: usize, z: usize| {
+        let lump = hashed(x / 4, y / 4, z / 4) < 0.4;
+        if lump { hashed(x, y, z) } else { 0.0 }
+    };
+    let mut scene = box_scene([0.0; 3], [900.0, 700.0, 800.0], 0.02);
+    scene.density = cube_density(write_cube(folder, 16, value));
+    (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (41.0, 67.0);
+    scene
+}
+
 pub fn cube_density(path: PathBuf) -> Density {
     Density::Volume(Volume { path, up_axis: 1 })
 }

@@ -135,7 +135,7 @@ error_numbers! {
         from: track,
     }
     rel_rmse_pan: Option<f64> {
-        doc: "rel_rmse over all 16 frames of the camera pan: with a map that is filled over several frames, the error of its age too; \
+        doc: "rel_rmse over all 16 frames of the camera pan, the age of a map that is filled over several frames included; \
             absent where the experiment asks for none",
         label: "rel_rmse, pan",
         unit: "",
@@ -146,7 +146,7 @@ error_numbers! {
         from: track,
     }
     rel_rmse_sun: Option<f64> {
-        doc: "rel_rmse over all 16 frames of the moving sun: with a map that is filled over several frames, the error of its age too; \
+        doc: "rel_rmse over all 16 frames of the moving sun, the age of a map that is filled over several frames included; \
             absent where the experiment asks for none",
         label: "rel_rmse, sun",
         unit: "",
@@ -157,7 +157,7 @@ error_numbers! {
         from: track,
     }
     rel_rmse_dolly: Option<f64> {
-        doc: "rel_rmse over all 16 frames of the dolly: with a map that is filled over several frames, the error of its age too; \
+        doc: "rel_rmse over all 16 frames of the dolly, the age of a map that is filled over several frames included; \
             absent where the experiment asks for none",
         label: "rel_rmse, dolly",
         unit: "",

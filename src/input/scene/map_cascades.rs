@@ -94,12 +94,11 @@ impl MapCascades {
         let mut near = (0..self.rectangles.len()).filter(reached).find_map(place)?;
         let reach_m = self.reaches_m[near.cascade];
         let passed = (away_m - reach_m) / (Self::BLEND_SHARE * reach_m) + 1.0;
-        let mut next = place(near.cascade + 1).unwrap_or_default();
-        if next.cascade > 0 && reach_m.is_finite() {
-            next.share = passed.clamp(0.0, 1.0);
-        }
-        near.share = 1.0 - next.share;
-        Some([near, next])
+        let next = place(near.cascade + 1);
+        let share = next.map_or(0.0, |_| passed.clamp(0.0, 1.0));
+        near.share = 1.0 - share;
+        let next = next.unwrap_or_default();
+        Some([near, MapPlace { share, ..next }])
     }
 }
 

@@ -166,13 +166,13 @@ impl Backend {
         setup: &MethodSetup,
         sequence: &Sequence,
     ) -> Result<Prepared<'v>> {
-        Prepared::new(self, view, setup, sequence)
+        Prepared::new(self, view, view, setup, sequence)
     }
 
     /// [`Self::prepare`] for frames in which every pixel is marched.
     pub fn prepare_full<'v>(&'v self, view: &'v View, setup: &MethodSetup) -> Result<Prepared<'v>> {
         let sequence = self.sequence(reconstruct::full(), view.image)?;
-        Prepared::new(self, view, setup, &sequence)
+        Prepared::new(self, view, view, setup, &sequence)
     }
 
     /// [`Self::prepare_full`] with the light map of an earlier frame's view, where a map is filled over several frames.
@@ -182,7 +182,8 @@ impl Backend {
         view: &'v View,
         setup: &MethodSetup,
     ) -> Result<Prepared<'v>> {
-        Prepared::with_map_of(self, earlier, view, setup)
+        let sequence = self.sequence(reconstruct::full(), view.image)?;
+        Prepared::new(self, view, earlier, setup, &sequence)
     }
 
     /// One picture, start to end.

@@ -52,12 +52,18 @@ impl<'v> Prepared<'v> {
     pub(super) fn new(
         backend: &'v Backend,
         view: &'v View,
+        map_of: &'v View,
         setup: &MethodSetup,
         sequence: &Sequence,
     ) -> Result<Self> {
-        let (memory, kind) = match (backend, &view.kind, &sequence.kind) {
-            (Backend::Device(renderer), ViewKind::Device(view), SequenceKind::Device(sequence)) => {
-                let prepared = renderer.prepare(view, setup, sequence, Counting::Off)?;
+        let views = (&view.kind, &map_of.kind);
+        let (memory, kind) = match (backend, views, &sequence.kind) {
+            (
+                Backend::Device(renderer),
+                (ViewKind::Device(view), ViewKind::Device(map_of)),
+                SequenceKind::Device(sequence),
+            ) => {
+                let prepared = renderer.prepare_with_map_of(map_of, view, setup, sequence)?;
                 let memory = prepared.memory;
                 let kind = Executor::Device {
                     renderer,
@@ -66,12 +72,16 @@ impl<'v> Prepared<'v> {
                 };
                 (memory, kind)
             }
-            (Backend::Oracle(_), ViewKind::Oracle(oracle), SequenceKind::Oracle(sequence)) => {
+            (
+                Backend::Oracle(_),
+                (ViewKind::Oracle(oracle), ViewKind::Oracle(map_of)),
+                SequenceKind::Oracle(sequence),
+            ) => {
                 // A setting that cannot be prepared is refused here, not in the middle of a round.
                 oracle.prepare(setup, Options::stored(setup))?;
                 let kind = Executor::Oracle {
                     oracle,
-                    map_of: oracle,
+                    map_of,
                     sequence: sequence.clone(),
                     counts: Cell::new(None),
                 };
@@ -85,29 +95,6 @@ impl<'v> Prepared<'v> {
             reconstruction: sequence.reconstruction,
             kind,
         })
-    }
-
-    /// A method whose light map is that of an earlier frame; its picture is one of `view`, every pixel marched.
-    pub(super) fn with_map_of(
-        backend: &'v Backend,
-        earlier: &'v View,
-        view: &'v View,
-        setup: &MethodSetup,
-    ) -> Result<Self> {
-        let mut prepared = backend.prepare_full(view, setup)?;
-        match (&mut prepared.kind, &earlier.kind) {
-            (
-                Executor::Device {
-                    renderer,
-                    view,
-                    prepared,
-                },
-                ViewKind::Device(earlier),
-            ) => **prepared = renderer.prepare_with_map_of(earlier, view, setup)?,
-            (Executor::Oracle { map_of, .. }, ViewKind::Oracle(earlier)) => *map_of = earlier,
-            _ => return Err(stranger()),
-        }
-        Ok(prepared)
     }
 
     /// Renders the next frame. On the oracle the map is marched anew, and only the wall time is known.

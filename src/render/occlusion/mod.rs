@@ -276,7 +276,7 @@ impl MethodSetup {
         if cascades > 1 {
             defs.insert("CASCADES".to_owned(), Some(cascades.cast_signed()));
         }
-        let frames = self.params.int("fill_frames").unwrap_or(1);
+        let frames = self.fill_frames();
         if frames > 1 {
             defs.insert("FILL_FRAMES".to_owned(), Some(frames.cast_signed()));
         }

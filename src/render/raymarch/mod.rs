@@ -180,15 +180,16 @@ impl Renderer {
         PreparedPasses::new(self, view, view, setup, sequence, counting)
     }
 
-    /// [`Renderer::prepare_full`] with the light map of another view: that of an earlier frame, where the map is filled
+    /// [`Renderer::prepare`] with the light map of another view, timed: that of an earlier frame, where the map is filled
     /// over several. The picture is that of `view`, at the size of both.
     pub fn prepare_with_map_of(
         &self,
         map_view: &DeviceView,
         view: &DeviceView,
         setup: &MethodSetup,
+        sequence: &Rc<dyn DeviceSequence>,
     ) -> Result<PreparedPasses> {
-        PreparedPasses::new(self, view, map_view, setup, &Frames::full(), false)
+        PreparedPasses::new(self, view, map_view, setup, sequence, false)
     }
 
     /// [`Renderer::prepare`] for pictures of which every pixel is marched, timed.

@@ -7,31 +7,20 @@ extern crate occlab_render as occlab;
 mod common;
 
 use common::{
-    box_scene, count_view, cube_density, has_map, hashed, on_gpu, reds, relative_rmse, render_view,
-    setup, size, write_cube,
+    box_scene, count_view, cube_density, has_map, hashed, lumps, on_gpu, reds, relative_rmse,
+    render_view, setup, size, write_cube,
 };
 use occlab::occlusion::rounding::Rounding;
 use occlab::occlusion::{MethodSetup, REGISTRY, Trial};
 use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
-use occlab::scene::{ImageSize, Scene};
+use occlab::scene::ImageSize;
 
 const IMAGE: ImageSize = ImageSize {
     width: 8,
     height: 8,
 };
 const EDGE: u32 = 64;
-
-fn lumps(folder: &std::path::Path) -> Scene {
-    let value = |x: usize, y: usize, z: usize| {
-        let lump = hashed(x / 4, y / 4, z / 4) < 0.4;
-        if lump { hashed(x, y, z) } else { 0.0 }
-    };
-    let mut scene = box_scene([0.0; 3], [900.0, 700.0, 800.0], 0.02);
-    scene.density = cube_density(write_cube(folder, 16, value));
-    (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (41.0, 67.0);
-    scene
-}
 
 /// A variant of every method with a map, and a slightly wrong one.
 fn texel_trials() -> impl Iterator<Item = (&'static str, Trial)> {

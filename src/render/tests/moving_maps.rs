@@ -6,30 +6,17 @@ extern crate occlab_render as occlab;
 #[path = "../../../tests/common/mod.rs"]
 mod common;
 
-use common::{
-    box_scene, count_view, cube_density, hashed, on_gpu, reds, relative_rmse, render_view, setup,
-    size, write_cube,
-};
+use common::{box_scene, count_view, lumps, on_gpu, reds, relative_rmse, render_view, setup, size};
 use occlab::error::Error;
 use occlab::oracle::{Options, Oracle};
 use occlab::progress::unwatched;
-use occlab::scene::{ImageSize, Scene};
+use occlab::raymarch::Frames;
+use occlab::scene::ImageSize;
 
 const IMAGE: ImageSize = ImageSize {
     width: 40,
     height: 32,
 };
-
-fn lumps(folder: &std::path::Path) -> Scene {
-    let value = |x: usize, y: usize, z: usize| {
-        let lump = hashed(x / 4, y / 4, z / 4) < 0.4;
-        if lump { hashed(x, y, z) } else { 0.0 }
-    };
-    let mut scene = box_scene([0.0; 3], [900.0, 700.0, 800.0], 0.02);
-    scene.density = cube_density(write_cube(folder, 16, value));
-    (scene.sun.elevation_deg, scene.sun.azimuth_deg) = (41.0, 67.0);
-    scene
-}
 
 /// After as many frames as a map takes, the one that was filled in parts is read: all its values are those of a map that
 /// is filled at once, and so is the picture.
@@ -95,7 +82,7 @@ fn a_map_of_an_earlier_frame_is_read_along_its_own_sun() {
             let params = format!("resolution=64 steps=12 storage=f32 fill_frames=4 {params}");
             let setup = setup("floor", &params);
             let prepared = renderer
-                .prepare_with_map_of(&earlier, &view, &setup)
+                .prepare_with_map_of(&earlier, &view, &setup, &Frames::full())
                 .unwrap();
             prepared.run(&renderer.gpu, &mut unwatched).unwrap();
             let device = prepared.picture(&renderer.gpu).unwrap();
